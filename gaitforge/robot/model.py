@@ -1,0 +1,168 @@
+"""`RobotModel`: the robot every stage works with; a URDF plus what was recognised in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gaitforge.errors import InputError, Problem
+from gaitforge.robot.limbs import Limb, ToolMount
+
+if TYPE_CHECKING:
+    import pinocchio
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Nominal:
+    """Defaults of a robot, from ``robot.yaml: nominal``; arrays are in the order of `joint_names`."""
+
+    posture: Array
+    """(n_J,) standing joint positions [rad]"""
+    held_posture: Array
+    """(n_J,) joint positions of a limb that is held off the ground [rad]"""
+    body_height: float
+    """Height of base_link above the ground when standing [m]"""
+    speed: float = 0.064
+    """[m/s]"""
+    duration: float = 2.0
+    """[s] of one gait cycle"""
+    columns: int = 12
+    """m of a gait"""
+    step_height: float = 0.03
+    """[m]"""
+    gait: str = "tripod"
+    """Pattern of a walk with all limbs: tripod · wave · program"""
+    transition_columns: int = 11
+    transition_column_s: float = 0.125
+    """[s] per column of a transition"""
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """A segment with a radius that encloses one collision shape; for clearance between limbs."""
+
+    link: str
+    a: tuple[float, float, float]
+    """[m] in the link frame"""
+    b: tuple[float, float, float]
+    radius: float
+    """[m]"""
+
+
+@dataclass(frozen=True, eq=False)
+class RobotModel:
+    """A legged robot: frozen, and the same for planning, verification and logging.
+
+    Base poses are (6,) arrays x, y, z [m], roll, pitch, yaw [rad] (R = Rz Ry Rx) of `base_link` in
+    the world; joint vectors are (n_J,) in the order of `joint_names` (limb by limb, tool joints
+    after the joints of their limb).
+    """
+
+    name: str
+    urdf: str = field(repr=False)
+    limbs: tuple[Limb, ...]
+    joint_names: tuple[str, ...]
+    lower: Array = field(repr=False)
+    """(n_J,) [rad]"""
+    upper: Array = field(repr=False)
+    velocity: Array = field(repr=False)
+    """(n_J,) [rad/s]"""
+    effort: Array = field(repr=False)
+    """(n_J,) [N m]"""
+    nominal: Nominal = field(repr=False)
+    tools: tuple[ToolMount, ...] = ()
+    capsules: tuple[Capsule, ...] = field(default=(), repr=False)
+    base_link: str = "base_link"
+    modules: int = 0
+    """Number of actuated modules."""
+
+    @cached_property
+    def pin(self) -> pinocchio.Model:
+        """The Pinocchio model with a free-flyer root."""
+        import pinocchio
+
+        return pinocchio.buildModelFromXML(self.urdf, pinocchio.JointModelFreeFlyer())
+
+    @cached_property
+    def _q_index(self) -> NDArray[np.intp]:
+        return np.array([self.pin.joints[self.pin.getJointId(n)].idx_q for n in self.joint_names], dtype=np.intp)
+
+    @property
+    def mass(self) -> float:
+        """[kg]"""
+        return float(sum(i.mass for i in self.pin.inertias))
+
+    @property
+    def limb_names(self) -> tuple[str, ...]:
+        """Rows of C."""
+        return tuple(limb.name for limb in self.limbs)
+
+    def limb(self, name: str) -> Limb:
+        """The limb called `name`, or the limb that carries the tool called `name`; else InputError."""
+        for limb in self.limbs:
+            if limb.name == name:
+                return limb
+        for tool in self.tools:
+            if tool.name == name:
+                return self.limb(tool.limb)
+        carried = tuple(t.name for t in self.tools)
+        expected = "one of " + ", ".join(self.limb_names + carried)
+        raise InputError(Problem(self.name, "limb", repr(name), expected))
+
+    def tool(self, limb: str, kind: str = "camera") -> ToolMount | None:
+        """The tool of that kind on the limb, or None."""
+        return next((t for t in self.tools if t.limb == limb and t.kind == kind), None)
+
+    def joint_indices(self, limb: Limb) -> NDArray[np.intp]:
+        """Rows of P that belong to the limb's walking joints."""
+        return np.array([self.joint_names.index(j) for j in limb.joints], dtype=np.intp)
+
+    # -- Pinocchio in the conventions above -------------------------------------------------
+    def configuration(self, base_pose: ArrayLike, joints: ArrayLike) -> Array:
+        """(nq,) Pinocchio's q for a base pose and joint positions."""
+        import pinocchio
+
+        base = np.asarray(base_pose, dtype=float)
+        q = pinocchio.neutral(self.pin)
+        q[:3] = base[:3]
+        q[3:7] = pinocchio.Quaternion(pinocchio.rpy.rpyToMatrix(base[3:6])).coeffs()
+        q[self._q_index] = np.asarray(joints, dtype=float)
+        return q
+
+    def _data(self, base_pose: ArrayLike, joints: ArrayLike) -> Any:
+        import pinocchio
+
+        data = self.pin.createData()
+        pinocchio.forwardKinematics(self.pin, data, self.configuration(base_pose, joints))
+        pinocchio.updateFramePlacements(self.pin, data)
+        return data
+
+    def link_pose(self, link: str, base_pose: ArrayLike, joints: ArrayLike) -> Array:
+        """(4, 4) pose of a link in the world."""
+        import pinocchio
+
+        frame = self.pin.getFrameId(link, pinocchio.FrameType.BODY)
+        return np.array(self._data(base_pose, joints).oMf[frame].homogeneous)
+
+    def foot_positions(self, base_pose: ArrayLike, joints: ArrayLike) -> Array:
+        """(n_F, 3) centres of the foot spheres in the world [m]."""
+        import pinocchio
+
+        data = self._data(base_pose, joints)
+        body = pinocchio.FrameType.BODY
+        return np.array(
+            [data.oMf[self.pin.getFrameId(x.foot.link, body)].act(np.array(x.foot.offset)) for x in self.limbs]
+        )
+
+    def center_of_mass(self, base_pose: ArrayLike, joints: ArrayLike) -> Array:
+        """(3,) in the world [m]."""
+        import pinocchio
+
+        data = self.pin.createData()
+        return np.array(pinocchio.centerOfMass(self.pin, data, self.configuration(base_pose, joints)))

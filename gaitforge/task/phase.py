@@ -1,0 +1,45 @@
+"""A task is a list of phases and a scene: plain data, no planning."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from gaitforge.task.roles import Role
+from gaitforge.task.scene import Scene
+
+
+@dataclass(frozen=True)
+class Phase:
+    """One stretch of a task: who does what, how fast, for how long.
+
+    None means: the robot's nominal value.
+    """
+
+    name: str
+    kind: Literal["walk"] = "walk"
+    cycles: int = 2
+    roles: Mapping[str, Role] = field(default_factory=dict)
+    """Limb name, or name of the tool it carries → role; limbs not named are locomotive."""
+    gait: str | Mapping[str, str] = "auto"
+    """auto · tripod · wave · program, or a hand-written pattern: limb name → "110011…"."""
+    speed: float | None = None
+    """[m/s]"""
+    heading: float = 0.0
+    """[rad] direction of travel in the body frame, counter-clockwise from ahead"""
+    yaw_rate: float = 0.0
+    """[rad/s]"""
+    duration: float | None = None
+    """[s] of one cycle"""
+    columns: int | None = None
+    """m of the cyclic pattern"""
+
+
+@dataclass(frozen=True)
+class Task:
+    """Phases in order, and what stands around."""
+
+    name: str
+    phases: tuple[Phase, ...]
+    scene: Scene = field(default_factory=Scene)

@@ -1,0 +1,45 @@
+"""The judgement: checks with value, limit and unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gaitforge.motion.timeline import Timeline
+from gaitforge.verify.trace import Trace
+
+
+@dataclass(frozen=True)
+class Check:
+    """One question put to the simulated run."""
+
+    name: str
+    """speed · heading · tilt · body_height · slip · unplanned_contact · static_margin · camera_pointing · …"""
+    segment: str
+    simulator: str
+    value: float
+    limit: float | None
+    """None: reported, not judged"""
+    unit: str
+    passed: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """All checks of one run in one simulator."""
+
+    simulator: str
+    checks: tuple[Check, ...]
+    trace: Trace
+    timeline: Timeline
+    speeds: tuple[float, ...] = ()
+    """Measured mean speed of each timeline entry [m/s]."""
+
+    @property
+    def passed(self) -> bool:
+        """Verified?"""
+        return all(c.passed for c in self.checks)
+
+    @property
+    def failed(self) -> tuple[Check, ...]:
+        """The checks that did not hold."""
+        return tuple(c for c in self.checks if not c.passed)
