@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,11 @@ class UnplannedContact:
     what: str
     """e.g. "R2 shin on ground", "L1 foot against L2 shin" """
     force: float
-    """[N]"""
+    """Largest normal force [N]"""
+    end: float = 0.0
+    """[s] of the last step of the event"""
+    kind: Literal["trunk", "ground", "swing", "self", "object"] = "ground"
+    """trunk or another link on the ground, a foot on the ground in swing, the robot itself, an object"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,95 @@
+"""What touched what: slip, unplanned contact, margin, agreement with C."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
+from gaitforge.verify.feet import CONTACT_N
+
+Array = NDArray[np.float64]
+
+
+def slip_per_stance(slip_speed: Array, planned: NDArray[np.bool_], dt: float) -> float:
+    """Longest path [m] of one foot's contact point in one stance.
+
+    slip_speed (n,) [m/s], 0 in the air; planned (n,) contact.  A stance reaches from the middle of
+    the planned swing before to the middle of the one after it, so that a touch-down that comes
+    early and a foot that bounces belong to it.
+    """
+    path = np.concatenate([[0.0], np.cumsum(slip_speed) * dt])
+    edges = np.flatnonzero(np.diff(planned.astype(int)))
+    lifts, lands = edges[~planned[edges + 1]], edges[planned[edges + 1]]
+    middles = [(lift + land) // 2 + 1 for lift in lifts for land in lands[lands > lift][:1]]
+    return float(np.diff(path[[0, *middles, len(slip_speed)]]).max())
+
+
+@dataclass(frozen=True)
+class Slip(SegmentCheck):
+    """∫ of the tangential speed of the contact point, rolling taken out, per stance; the worst foot."""
+
+    name: ClassVar[str] = "slip"
+    title: ClassVar[str] = "slip in one stance"
+
+    def find(self, segment: Segment) -> Finding:
+        rows, trace = segment.judged, segment.trace
+        worst = max(
+            slip_per_stance(trace.slip_speed[rows, foot], trace.plan.contact[rows, foot], segment.dt)
+            for foot in range(trace.slip_speed.shape[1])
+        )
+        return Finding.at_most(1000.0 * worst, segment.limit.slip_mm, "mm")
+
+
+@dataclass(frozen=True)
+class UnplannedContacts(SegmentCheck):
+    """Number of contacts, at any time of the segment, of anything but a planned foot with the ground."""
+
+    name: ClassVar[str] = "unplanned_contact"
+    title: ClassVar[str] = "unplanned contacts"
+
+    def find(self, segment: Segment) -> Finding:
+        start, end = segment.entry.start, segment.entry.end
+        events = [e for e in segment.trace.unplanned if e.time < end and e.end >= start]
+        return Finding.at_most(len(events), 0, "events")
+
+
+@dataclass(frozen=True)
+class StaticMargin(SegmentCheck):
+    """Smallest distance of the centre of mass inside the polygon of real contacts that lasted.
+
+    A foot that takes up its load a few milliseconds late leaves a smaller polygon for as long; that
+    is no danger, so a margin counts when it is that small for `margin_hold_s`.
+    """
+
+    name: ClassVar[str] = "static_margin"
+    title: ClassVar[str] = "static margin from real contacts"
+
+    def find(self, segment: Segment) -> Finding:
+        hold = max(round(segment.limits.margin_hold_s / segment.dt), 1)
+        value = lasting_minimum(segment.trace.margin[segment.judged], hold)
+        return Finding.at_least(1000.0 * value, segment.limit.static_margin_mm, "mm")
+
+
+def lasting_minimum(values: Array, hold: int) -> float:
+    """The smallest value that is not exceeded for `hold` rows on end: the least of all running maxima."""
+    if len(values) <= hold:
+        return float(values.max())
+    windows = np.lib.stride_tricks.sliding_window_view(values, hold)
+    return float(windows.max(axis=1).min())
+
+
+@dataclass(frozen=True)
+class ContactAgreement(SegmentCheck):
+    """Share of feet and times at which real and planned contact are the same."""
+
+    name: ClassVar[str] = "contact_agreement"
+    title: ClassVar[str] = "agreement of contact with C"
+
+    def find(self, segment: Segment) -> Finding:
+        rows, trace = segment.judged, segment.trace
+        agree = (trace.normal_force[rows] > CONTACT_N) == trace.plan.contact[rows]
+        return Finding(100.0 * float(agree.mean()), None, "%")

@@ -1,0 +1,66 @@
+"""What it took: joint tracking, effort, speed, energy. Reported, not judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
+
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True)
+class JointTracking(SegmentCheck):
+    """Root mean square of the joint errors over all joints and judged times."""
+
+    name: ClassVar[str] = "joint_tracking"
+    title: ClassVar[str] = "joint error (rms)"
+
+    def find(self, segment: Segment) -> Finding:
+        rows, trace = segment.judged, segment.trace
+        error = trace.joint_positions[rows] - trace.plan.joint_positions[rows]
+        return Finding(float(np.degrees(np.sqrt(np.mean(error**2)))), None, "deg")
+
+
+@dataclass(frozen=True)
+class PeakEffort(SegmentCheck):
+    """Largest torque of a joint over its limit; 1 means that a joint gave all it had."""
+
+    name: ClassVar[str] = "effort_ratio"
+    title: ClassVar[str] = "peak effort over limit"
+
+    def find(self, segment: Segment) -> Finding:
+        ratio = np.abs(segment.trace.joint_torques[segment.judged]) / segment.robot.effort
+        return Finding(float(ratio.max()), None, "1")
+
+
+@dataclass(frozen=True)
+class PeakSpeed(SegmentCheck):
+    """Largest speed of a joint over its limit."""
+
+    name: ClassVar[str] = "speed_ratio"
+    title: ClassVar[str] = "peak joint speed over limit"
+
+    def find(self, segment: Segment) -> Finding:
+        ratio = np.abs(segment.trace.joint_velocities[segment.judged]) / segment.robot.velocity
+        return Finding(float(ratio.max()), None, "1")
+
+
+@dataclass(frozen=True)
+class CostOfTransport(SegmentCheck):
+    """Σ |τ q̇| dt / (m g d), d the distance between the ends of the judged cycles; none below 1 cm."""
+
+    name: ClassVar[str] = "cost_of_transport"
+    title: ClassVar[str] = "mechanical cost of transport"
+
+    def find(self, segment: Segment) -> Finding | None:
+        rows, trace = segment.judged, segment.trace
+        path = trace.base_poses[rows[[0, -1]], :2]
+        distance = float(np.linalg.norm(path[1] - path[0]))
+        if distance < 0.01:
+            return None
+        work = float(np.abs(trace.joint_torques[rows] * trace.joint_velocities[rows]).sum()) * segment.dt
+        return Finding(work / (segment.robot.mass * GRAVITY * distance), None, "1")

@@ -1,0 +1,147 @@
+"""`PyBulletSimulator`: settle, then execute a timeline with joint servos, 240 times a second."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.errors import InputError, Problem
+from gaitforge.motion.timeline import Timeline, TimelineSamples
+from gaitforge.robot.model import RobotModel
+from gaitforge.task.scene import Scene
+from gaitforge.verify.assemble import assemble_trace
+from gaitforge.verify.pybullet.camera import camera_picture
+from gaitforge.verify.pybullet.client import direct_client
+from gaitforge.verify.pybullet.recorder import Recorder
+from gaitforge.verify.pybullet.sight import SightLines
+from gaitforge.verify.pybullet.world import World, build_world
+from gaitforge.verify.simulator import Progress
+from gaitforge.verify.trace import Trace
+
+Array = NDArray[np.float64]
+REPORTS = 100
+
+
+@dataclass(frozen=True)
+class PyBulletSimulator:
+    """Rigid-body simulation with joint servos that keep the modules' effort and velocity limits.
+
+    The servo asks each step for the joint speed position_gain · (q* − q) · rate_hz + q̇*, at most the
+    module's velocity, with at most the module's effort.  The second term is the feed-forward of the
+    planned speed that a real servo has; without it the joints lag by 1 / (position_gain · rate_hz).
+    Same plan, same settings: the same numbers to the last bit.
+    """
+
+    rate_hz: float = 240.0
+    """[Hz] steps per second; position_gain is a share per step, so keep the two together"""
+    solver_iterations: int = 100
+    position_gain: float = 0.3
+    """[-] share of a joint's error that the servo makes good in one step"""
+    velocity_feedforward: float = 1.0
+    """[-] share of the planned joint speed that is commanded ahead"""
+    friction: float = 1.0
+    """[-] coefficient of a pair, robot and ground or robot and object"""
+    settle_s: float = 0.5
+    """[s] standing still before the timeline begins"""
+    camera_hz: float = 0.0
+    """[Hz] pictures of the camera; 0 = none"""
+    camera_size: tuple[int, int] = (320, 240)
+    """[pixel] width, height"""
+    camera_fov_deg: float = 60.0
+    """[deg] vertical opening angle"""
+    name: str = "pybullet"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "camera_size", tuple(int(v) for v in self.camera_size))
+        positive = {k: getattr(self, k) for k in ("rate_hz", "solver_iterations", "position_gain", "camera_fov_deg")}
+        bad = [Problem("verify", k, repr(v), "a number above 0") for k, v in positive.items() if not v > 0]
+        other = {k: getattr(self, k) for k in ("velocity_feedforward", "friction", "settle_s", "camera_hz")}
+        bad += [Problem("verify", k, repr(v), "a number not below 0") for k, v in other.items() if not v >= 0]
+        if len(self.camera_size) != 2 or min(self.camera_size) < 1:
+            bad.append(Problem("verify", "camera_size", repr(self.camera_size), "width and height [pixel]"))
+        if bad:
+            raise InputError(bad)
+
+    def run(self, robot: RobotModel, timeline: Timeline, scene: Scene, progress: Progress | None = None) -> Trace:
+        """Execute the timeline; SimulationError when PyBullet refuses the robot."""
+        rows = int(np.floor(timeline.duration * self.rate_hz + 1e-6)) + 1
+        times = np.arange(rows) / self.rate_hz
+        # A periodic spline is back at its start at the very end, so the last sample is taken just before it.
+        plan = replace(timeline.sample(np.minimum(times, timeline.duration - 1e-9)), times=times)
+        with direct_client(f"robot {robot.name}") as (p, client):
+            p.setPhysicsEngineParameter(
+                fixedTimeStep=1.0 / self.rate_hz,
+                numSolverIterations=int(self.solver_iterations),
+                deterministicOverlappingPairs=1,
+                physicsClientId=client,
+            )
+            world = build_world(p, client, robot, scene, self.friction)
+            self._settle(world, robot, plan)
+            recorder, sight = Recorder(world, rows), SightLines(world, robot, timeline, scene, plan.times)
+            images = self._walk(world, robot, plan, recorder, sight, progress)
+            recording = recorder.recording(plan.times, sight.free, images)
+        return assemble_trace(recording, plan, robot, timeline, scene)
+
+    def _settle(self, world: World, robot: RobotModel, plan: TimelineSamples) -> None:
+        """Spawn at the first planned pose, lowered until the lowest stance foot touches, and stand."""
+        pose = plan.base_poses[0].copy()
+        feet = robot.foot_positions(pose, plan.joint_positions[0])
+        radii = np.array([limb.foot.radius for limb in robot.limbs])
+        stance = plan.contact[0] if plan.contact[0].any() else np.ones(len(radii), dtype=bool)
+        pose[2] -= float((feet[:, 2] - radii)[stance].min())
+        world.place_robot(pose, plan.joint_positions[0])
+        still = np.zeros(len(robot.joint_names))
+        for _ in range(round(self.settle_s * self.rate_hz)):
+            self._command(world, robot, plan.joint_positions[0], still)
+            world.p.stepSimulation(physicsClientId=world.client)
+
+    def _walk(
+        self,
+        world: World,
+        robot: RobotModel,
+        plan: TimelineSamples,
+        recorder: Recorder,
+        sight: SightLines,
+        progress: Progress | None,
+    ) -> list[tuple[float, bytes]]:
+        """The loop; row k is the state at times[k], the step after it is commanded by row k of the plan."""
+        rows, images = len(plan.times), []
+        speeds = np.diff(plan.joint_positions, axis=0, append=plan.joint_positions[-1:]) * self.rate_hz
+        camera = next((tool for tool in robot.tools if tool.kind == "camera"), None)
+        due = 0.0 if self.camera_hz > 0 and camera is not None else np.inf
+        recorder.state(0)
+        for row in range(rows):
+            sight.look(row)
+            if plan.times[row] >= due - 1e-9 and camera is not None:
+                images.append(
+                    (float(plan.times[row]), camera_picture(world, camera, self.camera_size, self.camera_fov_deg))
+                )
+                due += 1.0 / self.camera_hz
+            self._command(world, robot, plan.joint_positions[row], self.velocity_feedforward * speeds[row])
+            world.p.stepSimulation(physicsClientId=world.client)
+            recorder.contacts(row)
+            recorder.state(row + 1)
+            if progress is not None and (row + 1) * REPORTS // rows > row * REPORTS // rows:
+                progress((row + 1) / rows)
+        return images
+
+    def _command(self, world: World, robot: RobotModel, positions: Array, velocities: Array) -> None:
+        set_motor: Any = world.p.setJointMotorControl2
+        body, mode, client, gain = world.robot, world.p.POSITION_CONTROL, world.client, self.position_gain
+        rows = zip(world.joints, positions.tolist(), velocities.tolist(), robot.effort, robot.velocity, strict=True)
+        for joint, q, dq, effort, speed in rows:
+            set_motor(
+                body,
+                joint,
+                mode,
+                targetPosition=q,
+                targetVelocity=dq,
+                positionGain=gain,
+                velocityGain=1.0,
+                force=effort,
+                maxVelocity=speed,
+                physicsClientId=client,
+            )

@@ -1,0 +1,49 @@
+"""Static margin: how far the centre of mass is inside the polygon of the feet that bear load."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+NO_SUPPORT = -1.0
+"""Margin [m] of a robot with no foot on the ground: a finite number far below any real margin."""
+
+
+def static_margin(com: Array, points: Array, contact: NDArray[np.bool_]) -> Array:
+    """Signed distance of each centre of mass from the border of its support polygon [m], > 0 inside.
+
+    com (n, 2), points (n, n_F, 2) [m], contact (n, n_F).  With one or two feet on the ground the
+    polygon is a point or a line, and the margin is at most 0; with none it is NO_SUPPORT.
+
+    A line through two feet carries an edge when no other foot lies on its right.  The centre of
+    mass is inside when it is on the left of every edge; its distance is that to the nearest edge.
+    """
+    n, feet = contact.shape
+    inside = np.ones(n, dtype=bool)
+    nearest = np.where(contact, np.linalg.norm(points - com[:, None], axis=2), np.inf).min(axis=1)
+    area = np.zeros(n, dtype=bool)
+    for i in range(feet):
+        for j in range(feet):
+            rows = np.flatnonzero(contact[:, i] & contact[:, j])
+            if i == j or not len(rows):
+                continue
+            a, along = points[rows, i], points[rows, j] - points[rows, i]
+            length = np.linalg.norm(along, axis=1)
+            unit = along / np.maximum(length, 1e-12)[:, None]
+            side = _cross(unit[:, None], points[rows] - a[:, None])  # (k, n_F) [m], > 0 on the left
+            side = np.where(contact[rows], side, 0.0)
+            edge = (side >= -1e-9).all(axis=1) & (length > 1e-9)
+            rows, a, unit, length, side = rows[edge], a[edge], unit[edge], length[edge], side[edge]
+            offset = com[rows] - a
+            foot_of_normal = np.clip((offset * unit).sum(axis=1), 0.0, length)
+            distance = np.linalg.norm(offset - foot_of_normal[:, None] * unit, axis=1)
+            nearest[rows] = np.minimum(nearest[rows], distance)
+            inside[rows] &= _cross(unit, offset) >= 0.0
+            area[rows] |= (side > 1e-9).any(axis=1)
+    margin = np.where(inside & area, nearest, -nearest)
+    return np.where(contact.any(axis=1), margin, NO_SUPPORT)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
