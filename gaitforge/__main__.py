@@ -1,0 +1,7 @@
+"""``python -m gaitforge``."""
+
+import sys
+
+from gaitforge.cli import main
+
+sys.exit(main())

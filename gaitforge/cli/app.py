@@ -1,0 +1,129 @@
+"""`main`: arguments → Hydra → jobs → exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Iterator
+
+if TYPE_CHECKING:
+    from gaitforge.cli.job import JobOutcome
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run gaitforge; the exit code: 0 verified, 1 unverified, 2 bad input, 3 infeasible, 4 internal, 5 unsolved."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    if "--version" in arguments:
+        from gaitforge import __version__
+
+        print(f"gaitforge {__version__}")
+        return 0
+    for variable in THREADS:  # one thread a solver is three times faster than the default; see FACTS in docs
+        os.environ.setdefault(variable, "1")
+    debug = os.environ.get("HYDRA_FULL_ERROR") == "1" or "debug=true" in arguments
+    try:
+        return _run(arguments)
+    except KeyboardInterrupt:
+        print("gaitforge: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except Exception as error:
+        return _report(error, debug)
+
+
+def _run(arguments: list[str]) -> int:
+    import hydra
+
+    from gaitforge.config import register
+    from gaitforge.resources import conf_dir, robot_files
+
+    arguments, allow = _allowed_packages(arguments)
+    register({name: str(file) for name, file in robot_files().items()})
+    outcomes: list[JobOutcome] = []
+    with _hydra_environment(arguments):
+        hydra.main(version_base="1.3", config_path=str(conf_dir()), config_name="config")(_task(allow, outcomes))()
+    from gaitforge.cli.sweep import last_sweep
+
+    if not (last_sweep.returns or last_sweep.refused):
+        return outcomes[-1].code if outcomes else 0
+    return _finish_sweep([r.return_value for r in last_sweep.returns], last_sweep.refused)
+
+
+def _task(allow: tuple[str, ...], outcomes: list[JobOutcome]) -> Callable[[Any], JobOutcome]:
+    def gaitforge_job(node: Any) -> JobOutcome:
+        from gaitforge.cli.job import run_job
+
+        outcome = run_job(node, allow, say=print, complain=lambda text: print(text, file=sys.stderr))
+        outcomes.append(outcome)
+        return outcome
+
+    return gaitforge_job
+
+
+def _finish_sweep(jobs: list[JobOutcome], refused: list[tuple[str, Exception]]) -> int:
+    from gaitforge.cli.compose_errors import input_error
+    from gaitforge.cli.job import sweep_table
+
+    for overrides, error in refused:
+        print(f"gaitforge: {overrides}\n{input_error(error)}", file=sys.stderr)
+    print(sweep_table(jobs, [overrides for overrides, _ in refused]))
+    return max([job.code for job in jobs] + [2 for _ in refused], key=_badness)
+
+
+def _badness(code: int) -> int:
+    """Worst last: an internal error is worse than bad input, that than a run without a verified result."""
+    return (0, 1, 5, 3, 2, 4).index(code)
+
+
+def _report(error: Exception, debug: bool) -> int:
+    from hydra.errors import HydraException
+    from omegaconf.errors import OmegaConfBaseException
+
+    from gaitforge.cli.compose_errors import input_error
+    from gaitforge.errors import GaitforgeError
+
+    if debug:
+        traceback.print_exc()
+    if isinstance(error, HydraException | OmegaConfBaseException | OSError):
+        error = input_error(error)
+    if isinstance(error, GaitforgeError):
+        print(f"gaitforge: {error}", file=sys.stderr)
+        return error.exit_code
+    print(f"gaitforge: internal error: {type(error).__name__}: {error} (debug=true shows more)", file=sys.stderr)
+    return 4
+
+
+def _allowed_packages(arguments: list[str]) -> tuple[list[str], tuple[str, ...]]:
+    """Take ``--allow-package NAME`` out: on the command line alone, because a file must not widen its own rights."""
+    rest: list[str] = []
+    allow: list[str] = []
+    items = iter(arguments)
+    for item in items:
+        if item == "--allow-package":
+            allow.append(next(items, ""))
+        elif item.startswith("--allow-package="):
+            allow.append(item.partition("=")[2])
+        else:
+            rest.append(item)
+    return rest, tuple(name for name in allow if name)
+
+
+@contextmanager
+def _hydra_environment(arguments: list[str]) -> Iterator[None]:
+    """Hydra reads `sys.argv`, and with full errors on it raises instead of printing a traceback and exiting."""
+    argv, full = sys.argv, os.environ.get("HYDRA_FULL_ERROR")
+    sys.argv = ["gaitforge", *arguments]
+    os.environ["HYDRA_FULL_ERROR"] = "1"
+    try:
+        yield
+    finally:
+        sys.argv = argv
+        if full is None:
+            del os.environ["HYDRA_FULL_ERROR"]
+        else:
+            os.environ["HYDRA_FULL_ERROR"] = full

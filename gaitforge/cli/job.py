@@ -1,0 +1,101 @@
+"""One job of the command line: a composed config → robot, task, options → a run → what is told about it."""
+
+from __future__ import annotations
+
+import shutil
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from omegaconf import DictConfig
+
+from gaitforge.errors import GaitforgeError, InputError
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class JobOutcome:
+    """What the command line needs to know of a finished job; goes between processes."""
+
+    code: int
+    status: str
+    robot: str
+    task: str
+    folder: str
+    seconds: float = 0.0
+    message: str = ""
+
+
+def run_job(node: DictConfig, allow: Sequence[str], *, say: Say, complain: Say) -> JobOutcome:
+    """Run the job that Hydra composed; errors become an exit code, because an exit would end a multirun.
+
+    Bad input that is found before the run starts takes the folder that Hydra made with it.
+    """
+    from hydra.core.hydra_config import HydraConfig
+
+    hydra = HydraConfig.get()
+    folder, task = Path(hydra.runtime.output_dir), str(hydra.runtime.choices.task)
+    robot = str(node.robot.name)
+    try:
+        return _run(node, allow, folder, task, say)
+    except GaitforgeError as error:
+        if isinstance(error, InputError):
+            discard(folder)
+        _complain(node, error, complain)
+        return JobOutcome(error.exit_code, error.status, robot, task, str(folder), message=str(error))
+    except OSError as error:
+        from gaitforge.cli.compose_errors import input_error
+
+        discard(folder)
+        _complain(node, input_error(error), complain)
+        return JobOutcome(2, "error", robot, task, str(folder), message=str(error))
+    except Exception as error:
+        _complain(node, error, complain)
+        return JobOutcome(4, "error", robot, task, str(folder), message=f"{type(error).__name__}: {error}")
+
+
+def _complain(node: DictConfig, error: Exception, complain: Say) -> None:
+    if node.debug:
+        complain(traceback.format_exc())
+    if isinstance(error, GaitforgeError):
+        complain(f"gaitforge: {error}")
+    else:
+        complain(f"gaitforge: internal error: {type(error).__name__}: {error} (debug=true shows more)")
+
+
+def _run(node: DictConfig, allow: Sequence[str], folder: Path, task_name: str, say: Say) -> JobOutcome:
+    from gaitforge.config import plain
+    from gaitforge.pipeline.run import Run, run_task
+    from gaitforge.pipeline.stopwatch import Stopwatch
+    from gaitforge.robot.load import load_robot
+    from gaitforge.cli.options import options
+    from gaitforge.task.load import load_task
+    from gaitforge.cli.terminal import Narrator, summary_text
+
+    narrator = Narrator(say)
+    watch = Stopwatch(narrator.progress)
+    narrator.title(node.robot.name, task_name)
+    with watch.stage("assemble"):
+        robot = load_robot(node.robot.file)
+    narrator.robot(robot)
+    task = load_task(plain(node.task), task_name, robot=robot, file=f"task={task_name}")
+    run = Run(robot, task, options(node, allow), folder, plain(node))
+    outcome = run_task(run, watch)
+    say(summary_text(outcome))
+    seconds = float(outcome.summary["timings_s"]["total"])
+    return JobOutcome(
+        outcome.code, outcome.status, str(node.robot.name), task_name, str(folder), seconds, outcome.message
+    )
+
+
+def discard(folder: Path) -> None:
+    """Remove what Hydra wrote into the folder of a job that never started, and folders that are empty then."""
+    shutil.rmtree(folder / ".hydra", ignore_errors=True)
+    for empty in (folder, *folder.parents[:3]):
+        try:
+            empty.rmdir()
+        except OSError:
+            return

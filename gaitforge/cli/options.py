@@ -1,0 +1,36 @@
+"""The composed config → the `Options` of a run, each part made by `config.build`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from omegaconf import DictConfig
+
+from gaitforge.config import build, plain
+from gaitforge.pipeline.options import Options, Search
+
+
+def options(node: DictConfig, allow: Sequence[str]) -> Options:
+    """Build simulator, limits, motion, footfall and record options; `InputError` for the first that is wrong."""
+    from gaitforge.motion.options import MotionOptions
+    from gaitforge.record.recorder import McapRecorder
+    from gaitforge.verify.simulator import Simulator
+
+    whole = plain(node)
+    motion = dict(whole.get("motion") or {})
+    transition = motion.pop("transition", {})
+    return Options(
+        simulator=build(whole["verify"], Simulator, key="verify", allow=allow),
+        recorder=build(whole["record"], McapRecorder, key="record", allow=allow),
+        motion=build(motion, MotionOptions, key="motion", allow=allow),
+        transition=transition.get("method", "optimise"),
+        footfall=footfall_options(whole.get("footfall") or {}, allow),
+        search=build(whole["pipeline"], Search, key="pipeline", allow=allow),
+        seed=int(whole["seed"]),
+    )
+
+
+def footfall_options(node: Mapping[str, Any], allow: Sequence[str]) -> dict[str, Any]:
+    """Keyword arguments of the pattern synthesis."""
+    return {}

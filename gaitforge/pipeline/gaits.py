@@ -1,0 +1,119 @@
+"""The cascade for a gait: footfall patterns in order of promise until one has a motion plan."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from gaitforge.errors import InfeasibleMotion, UnsolvedError
+from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.pipeline.certificate import refuse_impossible_speed
+from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.robot.model import RobotModel
+from gaitforge.task.phase import Phase
+from gaitforge.task.roles import Locomotive, Role, Tool
+from gaitforge.task.scene import Scene
+
+
+def nonlocomotive(robot: RobotModel, phase: Phase, scene: Scene) -> dict[str, Role]:
+    """Limb name → role of the limbs that do not walk; named points of the scene are resolved [m]."""
+    roles: dict[str, Role] = {}
+    for name, role in phase.roles.items():
+        if isinstance(role, Tool) and isinstance(role.look_at, str):
+            x, y, z = (float(v) for v in scene.point(role.look_at))
+            role = replace(role, look_at=(x, y, z))
+        if not isinstance(role, Locomotive):
+            roles[robot.limb(name).name] = role
+    return roles
+
+
+def plan_phase(robot: RobotModel, phase: Phase, scene: Scene, options: Options, watch: Stopwatch) -> Segment:
+    """The gait of a phase.
+
+    Raises `InfeasibleFootfall` or `InfeasibleMotion` with a proof, `UnsolvedError` when every candidate failed.
+    """
+    from gaitforge.motion.gait import plan_gait
+
+    roles = nonlocomotive(robot, phase, scene)
+    speed = robot.nominal.speed if phase.speed is None else phase.speed
+    attempts: list[Attempt] = []
+    refusals: list[InfeasibleMotion] = []
+    for pattern in _candidates(robot, phase, roles, options, watch):
+        duration = _duration(robot, phase, pattern)
+        refuse_impossible_speed(robot, pattern.locomotive, speed, duration)
+        what = f"{pattern.source} pattern, {pattern.columns} columns, {duration:.2f} s"
+        begin = time.perf_counter()
+        try:
+            with watch.stage("motion"):
+                plan = plan_gait(
+                    robot, pattern, speed=speed, heading=phase.heading, yaw_rate=phase.yaw_rate, duration=duration,
+                    roles=roles, name=phase.name, options=options.motion,
+                )  # fmt: skip
+        except (UnsolvedError, InfeasibleMotion) as error:
+            attempts.append(Attempt(what, str(error), time.perf_counter() - begin))
+            refusals += [error] if isinstance(error, InfeasibleMotion) else []
+            watch.progress("motion", f"{phase.name}: {what}: left ({error})")
+            continue
+        watch.progress("motion", f"{phase.name}: {what}, {plan.report.seconds:.2f} s to solve")
+        return Segment(plan, phase.cycles, tuple(attempts))
+    raise _give_up(phase, attempts, refusals)
+
+
+def _give_up(phase: Phase, attempts: list[Attempt], refusals: list[InfeasibleMotion]) -> Exception:
+    """A certificate against the one pattern that was asked for is an answer; against some of many it is not."""
+    if phase.gait != "auto" and len(refusals) == len(attempts):
+        return refusals[0]
+    return UnsolvedError(
+        f"gait {phase.name}: none of {len(attempts)} footfall patterns has a motion plan; last: {attempts[-1].why}",
+        exhausted(phase.name, attempts),
+    )
+
+
+def _duration(robot: RobotModel, phase: Phase, pattern: FootfallPattern) -> float:
+    """[s] A pattern with more columns than nominal (a wave) keeps the time of a column, not of a cycle."""
+    if phase.duration is not None:
+        return phase.duration
+    return robot.nominal.duration * max(1.0, pattern.columns / robot.nominal.columns)
+
+
+def _candidates(
+    robot: RobotModel, phase: Phase, roles: Mapping[str, Role], options: Options, watch: Stopwatch
+) -> Iterator[FootfallPattern]:
+    from gaitforge.footfall.synthesis import gait_pattern_candidates, synthesize_gait_pattern
+
+    if not isinstance(phase.gait, str):
+        rows = {name: phase.gait[name] for name in robot.limb_names}
+        yield FootfallPattern.from_rows(rows)
+        return
+    locomotive = tuple(n for n in robot.limb_names if n not in roles)
+    columns = robot.nominal.columns if phase.columns is None else phase.columns
+    method = phase.gait
+    if method == "auto" and len(locomotive) == len(robot.limbs):
+        method = robot.nominal.gait
+    seen: set[bytes] = set()
+    if method != "auto":
+        with watch.stage("footfall"):
+            pattern = synthesize_gait_pattern(
+                robot, locomotive=locomotive, columns=columns, method=method, **options.footfall
+            )
+        watch.progress("footfall", f"{phase.name}: {_words(pattern)}")
+        seen.add(pattern.contact.tobytes())
+        yield pattern
+    if phase.gait != "auto":
+        return
+    with watch.stage("footfall"):
+        found = gait_pattern_candidates(
+            robot, locomotive=locomotive, columns=columns, limit=options.search.gait_candidates, **options.footfall
+        )
+    fresh = [p for p in found if p.contact.tobytes() not in seen]
+    if fresh:
+        watch.progress("footfall", f"{phase.name}: {len(fresh)} candidates, first {_words(fresh[0])}")
+    yield from fresh
+
+
+def _words(pattern: FootfallPattern) -> str:
+    limbs = len(pattern.locomotive)
+    return f"{pattern.source}, {limbs} of {len(pattern.limbs)} limbs walk, {pattern.columns} columns"

@@ -1,0 +1,49 @@
+"""How much a run may try, and the tools that it works with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from gaitforge.motion.options import MotionOptions
+    from gaitforge.record.recorder import McapRecorder
+    from gaitforge.verify.checks import CheckLimits
+    from gaitforge.verify.simulator import Simulator
+
+
+@dataclass(frozen=True)
+class Search:
+    """How far the cascade goes before a search is called unsolved."""
+
+    gait_candidates: int = 6
+    """Footfall patterns tried for a gait."""
+    transition_candidates: int = 4
+    """Footfall patterns tried for each pair of columns and column time of a transition."""
+    transition_columns: tuple[int, ...] = (0, 1, -1, 2)
+    """Columns added to the robot's nominal number, tried in this order."""
+    transition_stretch: tuple[float, ...] = (1.0, 1.333)
+    """Factors on the robot's nominal column time, tried in this order."""
+
+    def __post_init__(self) -> None:
+        if self.gait_candidates < 1 or self.transition_candidates < 1:
+            raise ValueError("at least one candidate")
+        if not self.transition_columns or not self.transition_stretch or min(self.transition_stretch) <= 0:
+            raise ValueError("at least one number of columns and one stretch > 0")
+
+
+@dataclass(frozen=True, eq=False)
+class Options:
+    """Everything that a run works with besides the robot and the task; None takes a stage's own defaults."""
+
+    simulator: Simulator
+    recorder: McapRecorder
+    limits: CheckLimits | None = None
+    motion: MotionOptions | None = None
+    transition: Literal["optimise", "interpolate"] = "optimise"
+    """equation (3) is "interpolate" """
+    footfall: Mapping[str, Any] = field(default_factory=dict)
+    """Keyword arguments of the pattern synthesis (constraint families, solver, seed, time limit)."""
+    search: Search = field(default_factory=Search)
+    seed: int = 0

@@ -1,0 +1,66 @@
+"""A task's phases → stand, gait, transition, gait, …, stand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gaitforge.motion.plan import MotionPlan
+from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
+from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.pipeline.transitions import plan_change
+from gaitforge.robot.model import RobotModel
+from gaitforge.task.phase import Phase, Task
+
+
+def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch, done: list[Segment]) -> None:
+    """Plan every segment of the task, in the order of execution, into `done`.
+
+    `done` is filled as far as planning came when an error leaves this function, so that the summary of
+    a run without a solution shows what there was.
+    """
+    gaits = _plan_gaits(robot, task, options, watch, done)
+    changes = [
+        plan_change(robot, before.plan, after.plan, options, watch)
+        for before, after in zip(gaits[:-1], gaits[1:], strict=True)
+    ]
+    start, stop = (Segment(_stand(w, robot, g.plan, options, watch)) for w, g in (("start", gaits[0]), ("stop", gaits[-1])))
+    between = [segment for pair in zip(gaits[1:], changes, strict=True) for segment in reversed(pair)]
+    done[:] = [start, gaits[0], *between, stop]
+
+
+def _plan_gaits(
+    robot: RobotModel, task: Task, options: Options, watch: Stopwatch, done: list[Segment]
+) -> list[Segment]:
+    """The gaits in order; a phase that asks for the gait of the phase before it goes on with it."""
+    known: list[tuple[Phase, MotionPlan]] = []
+    for index, phase in enumerate(task.phases):
+        if index and _same_gait(robot, task, task.phases[index - 1], phase):
+            done[-1] = replace(done[-1], cycles=done[-1].cycles + phase.cycles)
+            continue
+        again = next((plan for other, plan in known if _same_gait(robot, task, other, phase)), None)
+        if again is None:
+            done.append(plan_phase(robot, phase, task.scene, options, watch))
+        else:
+            done.append(Segment(replace(again, name=phase.name), phase.cycles))
+        known.append((phase, done[-1].plan))
+    return list(done)
+
+
+def _same_gait(robot: RobotModel, task: Task, one: Phase, other: Phase) -> bool:
+    def asked(phase: Phase) -> tuple[object, ...]:
+        roles = nonlocomotive(robot, phase, task.scene)
+        return roles, phase.gait, phase.speed, phase.heading, phase.yaw_rate, phase.duration, phase.columns
+
+    return asked(one) == asked(other)
+
+
+def _stand(which: str, robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopwatch) -> MotionPlan:
+    from gaitforge.motion.stand import plan_start, plan_stop
+
+    plan_stand = plan_start if which == "start" else plan_stop
+    with watch.stage("motion"):
+        plan = plan_stand(robot, gait, options=options.motion)
+    watch.progress("motion", f"{plan.name}: {plan.duration:.2f} s, {plan.report.seconds:.2f} s to solve")
+    return plan

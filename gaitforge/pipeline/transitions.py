@@ -1,0 +1,85 @@
+"""The cascade for a transition: patterns, numbers of columns and column times until one has a motion plan."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
+from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.plan import MotionPlan
+from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.robot.model import RobotModel
+
+
+def plan_change(
+    robot: RobotModel, before: MotionPlan, after: MotionPlan, options: Options, watch: Stopwatch
+) -> Segment:
+    """The transition from one gait into another.
+
+    Raises `InfeasibleFootfall` when no number of columns has a pattern, `UnsolvedError` when no try had a plan.
+    """
+    from gaitforge.motion.transition import plan_transition
+
+    name = f"{before.name}_to_{after.name}"
+    attempts: list[Attempt] = []
+    for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts):
+        what = f"{pattern.columns} columns of {column_s:.3f} s, {pattern.changes} changes"
+        begin = time.perf_counter()
+        try:
+            with watch.stage("motion"):
+                plan = plan_transition(
+                    robot, before, after, pattern=pattern, column_s=column_s, method=options.transition, name=name,
+                    options=options.motion,
+                )  # fmt: skip
+        except (UnsolvedError, InfeasibleMotion) as error:
+            attempts.append(Attempt(what, str(error), time.perf_counter() - begin))
+            watch.progress("motion", f"{name}: {what}: left ({error})")
+            continue
+        watch.progress("motion", f"{name}: {what}, {plan.report.seconds:.2f} s to solve")
+        return Segment(plan, 1, tuple(attempts))
+    raise UnsolvedError(f"transition {name}: none of {len(attempts)} tries has a plan", exhausted(name, attempts))
+
+
+def _tries(
+    robot: RobotModel, before: MotionPlan, after: MotionPlan, name: str, options: Options, watch: Stopwatch,
+    attempts: list[Attempt],
+) -> Iterator[tuple[FootfallPattern, float]]:  # fmt: skip
+    """(pattern, column time [s]): the best of every timing before the second best of any."""
+    search, nominal = options.search, robot.nominal
+    found: dict[int, tuple[FootfallPattern, ...]] = {}
+    refusals: list[InfeasibleFootfall] = []
+    for rank in range(search.transition_candidates):
+        for stretch in search.transition_stretch:
+            for extra in search.transition_columns:
+                columns = nominal.transition_columns + extra
+                if columns not in found:
+                    found[columns] = _patterns(robot, before, after, columns, name, options, watch, attempts, refusals)
+                if rank < len(found[columns]):
+                    yield found[columns][rank], nominal.transition_column_s * stretch
+    if refusals and not any(found.values()):
+        raise refusals[0]
+
+
+def _patterns(
+    robot: RobotModel, before: MotionPlan, after: MotionPlan, columns: int, name: str, options: Options,
+    watch: Stopwatch, attempts: list[Attempt], refusals: list[InfeasibleFootfall],
+) -> tuple[FootfallPattern, ...]:  # fmt: skip
+    from gaitforge.footfall.synthesis import transition_pattern_candidates
+
+    begin = time.perf_counter()
+    try:
+        with watch.stage("footfall"):
+            found = transition_pattern_candidates(
+                robot, before.pattern, after.pattern, columns=columns, limit=options.search.transition_candidates,
+                **options.footfall,
+            )  # fmt: skip
+    except (InfeasibleFootfall, UnsolvedError) as error:
+        attempts.append(Attempt(f"pattern of {columns} columns", str(error), time.perf_counter() - begin))
+        if isinstance(error, InfeasibleFootfall):
+            refusals.append(error)
+        return ()
+    watch.progress("footfall", f"{name}: {len(found)} patterns of {columns} columns")
+    return found
