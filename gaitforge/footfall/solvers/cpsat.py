@@ -1,0 +1,197 @@
+"""The general program in OR-Tools' CP-SAT: exact, any family, the default."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.errors import InputError, Problem
+from gaitforge.footfall.program import Program, Row
+from gaitforge.footfall.solvers.base import Listing, Solution, Status
+
+
+@dataclass(frozen=True)
+class CpSat:
+    """Settings of CP-SAT; one worker and a seed reproduce a pattern, more workers may not."""
+
+    name: ClassVar[str] = "cpsat"
+
+    workers: int = 1
+    """[threads]"""
+    lean: bool = True
+    """Try first with little presolve, which is much faster on most instances but bad at counting proofs."""
+    lean_time_s: float = 0.5
+    """[s] of the lean try, before the default settings take over"""
+
+    def __post_init__(self) -> None:
+        if self.workers < 1:
+            raise InputError(Problem("footfall/solver", "workers", repr(self.workers), "an integer ≥ 1"))
+        if not self.lean_time_s > 0:
+            raise InputError(Problem("footfall/solver", "lean_time_s", repr(self.lean_time_s), "a time > 0 [s]"))
+
+    def minimize(self, program: Program, time_limit_s: float, seed: int) -> Solution:
+        """The pattern with the least Σ y."""
+        start = time.perf_counter()
+        model, variables = _translate(program)
+        model.minimize(sum(variables[v] for v in program.objective))
+        built = time.perf_counter()
+        solver, status = self._run(model, time_limit_s, seed)
+        solved = time.perf_counter()
+        contact = _contact(program, solver, variables) if status in ("optimal", "feasible") else None
+        return Solution(
+            status=status,
+            contact=contact,
+            objective=None if contact is None else round(solver.objective_value),
+            bound=None if status in ("infeasible", "unknown") else int(np.ceil(solver.best_objective_bound - 1e-6)),
+            build_s=built - start,
+            solve_s=solved - built,
+        )
+
+    def is_feasible(self, program: Program, time_limit_s: float, seed: int) -> bool | None:
+        """Whether the program has a solution; None when time ran out before a proof."""
+        model, _ = _translate(program)
+        _, status = self._run(model, time_limit_s, seed)
+        return {"optimal": True, "feasible": True, "infeasible": False, "unknown": None}[status]
+
+    def listing(self, program: Program, *, most_changes: int, limit: int, time_limit_s: float, seed: int) -> Listing:
+        """Up to `limit` distinct patterns with Σ y ≤ `most_changes`: all of them, or a spread sample.
+
+        CP-SAT lists neighbours one after the other, so when there are more than `limit` the second half
+        is drawn by random directions instead.
+        """
+        start = time.perf_counter()
+        model, variables = _translate(program)
+        model.add(sum(variables[v] for v in program.objective) <= most_changes)
+        found: dict[bytes, NDArray[np.bool_]] = {}
+        complete = self._list_all(program, model, variables, found, limit, 0.6 * time_limit_s, seed)
+        if not complete:
+            for key in list(found)[limit // 2 :]:
+                del found[key]
+            deadline = start + time_limit_s
+            self._draw(program, model, variables, found, limit, deadline, seed)
+        return Listing(tuple(found.values()), complete, time.perf_counter() - start)
+
+    def _run(self, model: Any, time_limit_s: float, seed: int) -> tuple[Any, Status]:
+        from ortools.sat.python import cp_model
+
+        names: dict[Any, Status] = {
+            cp_model.OPTIMAL: "optimal",
+            cp_model.FEASIBLE: "feasible",
+            cp_model.INFEASIBLE: "infeasible",
+        }
+        if self.lean:
+            solver = self._solver(min(self.lean_time_s, time_limit_s), seed, lean=True)
+            status = names.get(solver.solve(model), "unknown")
+            time_limit_s -= solver.wall_time
+            if status in ("optimal", "infeasible") or time_limit_s <= 0:
+                return solver, status
+        solver = self._solver(time_limit_s, seed, lean=False)
+        return solver, names.get(solver.solve(model), "unknown")
+
+    def _solver(self, time_limit_s: float, seed: int, lean: bool) -> Any:
+        from ortools.sat.python import cp_model
+
+        solver = cp_model.CpSolver()
+        parameters = solver.parameters
+        parameters.num_workers, parameters.random_seed = self.workers, seed
+        parameters.max_time_in_seconds = max(time_limit_s, 1e-3)
+        if lean:
+            parameters.max_presolve_iterations, parameters.cp_model_probing_level = 1, 0
+            parameters.symmetry_level, parameters.linearization_level = 0, 0
+        return solver
+
+    def _list_all(
+        self,
+        program: Program,
+        model: Any,
+        variables: list[Any],
+        found: dict[bytes, NDArray[np.bool_]],
+        limit: int,
+        time_limit_s: float,
+        seed: int,
+    ) -> bool:
+        from ortools.sat.python import cp_model
+
+        class Collect(cp_model.CpSolverSolutionCallback):
+            def on_solution_callback(self) -> None:
+                contact = _contact(program, self, variables)
+                found.setdefault(contact.tobytes(), contact)
+                if len(found) >= limit:
+                    self.stop_search()
+
+        solver = self._solver(time_limit_s, seed, lean=True)
+        solver.parameters.num_workers, solver.parameters.enumerate_all_solutions = 1, True
+        status = solver.solve(model, Collect())
+        return bool(status in (cp_model.OPTIMAL, cp_model.INFEASIBLE))
+
+    def _draw(
+        self,
+        program: Program,
+        model: Any,
+        variables: list[Any],
+        found: dict[bytes, NDArray[np.bool_]],
+        limit: int,
+        deadline: float,
+        seed: int,
+    ) -> None:
+        """Extreme patterns along random directions in C, until the limit or the deadline."""
+        rng = np.random.default_rng(seed)
+        cells = len(program.problem.limbs) * program.problem.columns
+        tries = 0
+        while len(found) < limit and tries < limit and time.perf_counter() < deadline:
+            tries += 1
+            weights = rng.integers(-9, 10, size=cells)
+            model.clear_objective()
+            model.minimize(sum(int(w) * v for w, v in zip(weights, variables[:cells], strict=True)))
+            solver = self._solver(deadline - time.perf_counter(), seed + tries, lean=True)
+            if solver.status_name(solver.solve(model)) not in ("OPTIMAL", "FEASIBLE"):
+                return
+            contact = _contact(program, solver, variables)
+            found.setdefault(contact.tobytes(), contact)
+
+
+def _translate(program: Program) -> tuple[Any, list[Any]]:
+    """The CP-SAT model of a program, clauses as clauses, and its variables."""
+    from ortools.sat.python import cp_model
+
+    model = cp_model.CpModel()
+    variables = [
+        model.new_bool_var("") if (low, high) == (0, 1) else model.new_int_var(low, high, "")
+        for low, high in program.bounds
+    ]
+    boolean = [bounds == (0, 1) for bounds in program.bounds]
+    for row in program.rows:
+        literals = _literals(row, boolean)
+        if literals is not None:
+            model.add_bool_or([variables[v] if positive else ~variables[v] for v, positive in literals])
+        else:
+            _add_linear(model, variables, row)
+    return model, variables
+
+
+def _literals(row: Row, boolean: list[bool]) -> list[tuple[int, bool]] | None:
+    """The row as a clause, when it is one: Σ ± v ≥ 1 − (number of minus signs) over 0/1 variables."""
+    if row.upper is not None or not all(boolean[v] and abs(c) == 1 for v, c in row.terms):
+        return None
+    negative = sum(c < 0 for _, c in row.terms)
+    return [(v, c > 0) for v, c in row.terms] if row.lower == 1 - negative else None
+
+
+def _add_linear(model: Any, variables: list[Any], row: Row) -> None:
+    from ortools.sat.python import cp_model
+
+    expression = cp_model.LinearExpr.weighted_sum([variables[v] for v, _ in row.terms], [c for _, c in row.terms])
+    low = cp_model.INT_MIN if row.lower is None else row.lower
+    high = cp_model.INT_MAX if row.upper is None else row.upper
+    model.add_linear_constraint(expression, low, high)
+
+
+def _contact(program: Program, source: Any, variables: list[Any]) -> NDArray[np.bool_]:
+    """C out of a solver or a solution callback."""
+    n, m = len(program.problem.limbs), program.problem.columns
+    cells = [bool(source.value(v)) for v in variables[: n * m]]
+    return np.array(cells, dtype=bool).reshape(n, m)

@@ -1,0 +1,286 @@
+"""Footfall patterns for a robot: gaits for whatever limbs walk, and transitions between them.
+
+The cascade of section III-B: the alternating tripod (with one limb lost: the original pattern with that limb
+free), the periodic program with its ties, the wave.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from gaitforge.errors import InfeasibleFootfall, InputError, Problem
+from gaitforge.footfall.constraints import ConstraintSet, Families, with_problem_families
+from gaitforge.footfall.from_robot import gait_problem, limbs_named, pattern_of, transition_problem
+from gaitforge.footfall.given import alternating
+from gaitforge.footfall.model import check_pattern, check_problem
+from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.footfall.placement import offset_at
+from gaitforge.footfall.problem import FootfallProblem
+from gaitforge.footfall.ranking import Travel, diverse, ranked
+from gaitforge.footfall.seam import at_grounded_seam, canonical, distinct_gaits
+from gaitforge.footfall.search import SearchOptions, passes, solve, ties
+from gaitforge.footfall.solvers.base import FootfallSolver
+from gaitforge.footfall.solvers.cpsat import CpSat
+from gaitforge.footfall.waves import best_wave, swing_columns_for
+
+if TYPE_CHECKING:
+    from gaitforge.robot.model import RobotModel
+
+Method = Literal["auto", "tripod", "wave", "program"]
+METHODS: tuple[Method, ...] = ("auto", "tripod", "wave", "program")
+
+
+def synthesize_gait_pattern(
+    robot: RobotModel,
+    *,
+    locomotive: Iterable[str] | None = None,
+    columns: int = 12,
+    constraints: Families | None = None,
+    seed: int = 0,
+    time_limit_s: float = 10.0,
+    method: Method = "auto",
+    solver: FootfallSolver | None = None,
+) -> FootfallPattern:
+    """A cyclic footfall pattern for the limbs that walk (None: all), begun where they are all on the ground.
+
+    `method`: *tripod* (alternating), *program* (least Σ y, ties ranked by margin), *wave* (m = n (s + 1), not
+    `columns`), or *auto*: the first of these that satisfies every family.  Raises InputError for limbs that
+    do not exist, InfeasibleFootfall with the clash of families, UnsolvedError when time ran out.
+    """
+    return gait_pattern_candidates(
+        robot,
+        locomotive=locomotive,
+        columns=columns,
+        limit=1,
+        constraints=constraints,
+        seed=seed,
+        time_limit_s=time_limit_s,
+        method=method,
+        solver=solver,
+    )[0]
+
+
+def gait_pattern_candidates(
+    robot: RobotModel,
+    *,
+    locomotive: Iterable[str] | None = None,
+    columns: int = 12,
+    limit: int = 6,
+    constraints: Families | None = None,
+    seed: int = 0,
+    time_limit_s: float = 10.0,
+    method: Method = "auto",
+    solver: FootfallSolver | None = None,
+) -> tuple[FootfallPattern, ...]:
+    """Up to `limit` cyclic patterns, the most promising first; all satisfy every family.
+
+    Arguments and errors as in `synthesize_gait_pattern`.  With *auto* the last one or two are waves, whose
+    number of columns is their own.
+    """
+    if method not in METHODS:
+        raise InputError(Problem("footfall", "method", repr(method), "one of " + ", ".join(METHODS)))
+    if limit < 1:
+        raise InputError(Problem("footfall", "limit", repr(limit), "an integer ≥ 1"))
+    problem, families = gait_problem(robot, locomotive, columns), with_problem_families(constraints)
+    check_problem(problem)
+    options = SearchOptions(solver or CpSat(), seed, time_limit_s)
+    travel = Travel(np.array([robot.nominal.speed * robot.nominal.duration / columns, 0.0]))
+    if method == "tripod":
+        found = _tripod(problem, families, required=True)
+    elif method == "wave":
+        found = _waves(problem, families, travel, required=True)
+    elif method == "program":
+        found = list(_program(problem, families, travel, options, limit))
+    else:
+        found = _cascade(problem, families, travel, options, limit)
+    return _once(at_grounded_seam(pattern) for pattern in found)[:limit]
+
+
+def synthesize_transition_pattern(
+    robot: RobotModel,
+    before: Any,
+    after: Any,
+    *,
+    columns: int = 11,
+    from_column: int | None = None,
+    to_column: int | None = None,
+    constraints: Families | None = None,
+    seed: int = 0,
+    time_limit_s: float = 10.0,
+    solver: FootfallSolver | None = None,
+) -> FootfallPattern:
+    """The best-ranked transition pattern between two patterns (or plans that have a `.pattern`).
+
+    The first column is what the gait before does next (`from_column`, its column 0), the last what the gait
+    after would have done just before (`to_column`, its last column).  Raises InputError, InfeasibleFootfall
+    (with `explain["columns_needed"]` when more columns help) or UnsolvedError.
+    """
+    return transition_pattern_candidates(
+        robot,
+        before,
+        after,
+        columns=columns,
+        limit=1,
+        from_column=from_column,
+        to_column=to_column,
+        constraints=constraints,
+        seed=seed,
+        time_limit_s=time_limit_s,
+        solver=solver,
+    )[0]
+
+
+def transition_pattern_candidates(
+    robot: RobotModel,
+    before: Any,
+    after: Any,
+    *,
+    columns: int = 11,
+    limit: int = 8,
+    from_column: int | None = None,
+    to_column: int | None = None,
+    slack: int = 1,
+    constraints: Families | None = None,
+    seed: int = 0,
+    time_limit_s: float = 10.0,
+    solver: FootfallSolver | None = None,
+) -> tuple[FootfallPattern, ...]:
+    """Up to `limit` transition patterns with Σ y ≤ optimum + `slack`, diverse, the most promising first.
+
+    Ranked by static margin with each foot where it is before or after its own step, then by Σ y; arguments
+    and errors as in `synthesize_transition_pattern`.
+    """
+    problem = transition_problem(robot, before, after, columns, from_column, to_column)
+    check_problem(problem)
+    families = with_problem_families(constraints)
+    options = SearchOptions(solver or CpSat(), seed, time_limit_s)
+    best = solve(problem, families, options)
+    seams = {key: problem.parameters[key] for key in ("from_column", "to_column")}
+    found = [replace(p, info={**p.info, **seams}) for p in ties(problem, families, best, options, slack)]
+    travel = _transition_travel(robot, problem, before, after)
+    return diverse(ranked(found, problem, travel), limit)
+
+
+def _transition_travel(robot: RobotModel, problem: FootfallProblem, before: Any, after: Any) -> Travel:
+    """Travel per column, and where each foot comes from and has to leave, in columns of the transition."""
+    nominal = robot.nominal
+    per_column = nominal.speed * nominal.transition_column_s
+    old, new = pattern_of(robot, before, "before"), pattern_of(robot, after, "after")
+    cycle = nominal.speed * nominal.duration
+    coming = offset_at(old, problem.parameters["from_column"]) * cycle / old.columns / per_column
+    leaving = offset_at(new, problem.parameters["to_column"] + 1) * cycle / new.columns / per_column
+    return Travel(np.array([per_column, 0.0]), (coming, leaving))
+
+
+def _cascade(
+    problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int
+) -> list[FootfallPattern]:
+    """Tripod, program, wave; the program's proof is raised only when no other method has a pattern."""
+    found = _tripod(problem, families)
+    if found and limit == 1:
+        return found
+    failure: InfeasibleFootfall | None = None
+    try:
+        found += _program(problem, families, travel, options, max(1, limit - 2))
+    except InfeasibleFootfall as error:
+        failure = error
+    if limit == 1 and found:
+        return found
+    waves = _waves(problem, families, travel)
+    if failure is not None and not found:
+        if not waves:
+            raise failure
+        note = f"{waves[0].columns} columns instead of {problem.columns}"
+        waves = [replace(w, relaxed=(note,)) for w in waves]
+    kept = max(1, limit - min(2, len(waves)))
+    return found[:kept] + waves
+
+
+def _tripod(
+    problem: FootfallProblem, families: tuple[ConstraintSet, ...], required: bool = False
+) -> list[FootfallPattern]:
+    """Alternating patterns that satisfy every family: of all limbs with some free, and of the walking ones alone."""
+    walking = set(problem.locomotive_anywhere)
+    rows = [i for i, name in enumerate(problem.limbs) if name in walking]
+    whole = alternating(problem.limbs, problem.sides, problem.columns)
+    contact = whole.contact.copy()
+    contact[[i for i in range(len(problem.limbs)) if i not in rows]] = False
+    original = replace(whole, contact=contact, source="candidate")
+    found = [original]
+    if rows and len(rows) < len(problem.limbs):
+        again = np.zeros_like(contact)
+        names, sides = [problem.limbs[i] for i in rows], [problem.sides[i] for i in rows]
+        again[rows] = alternating(names, sides, problem.columns).contact
+        found.append(replace(whole, contact=again, source="candidate"))
+    passing = [p for p in found if passes(p.contact, problem, families)]
+    if required and not passing:
+        raise _unfit(original, problem, families, "alternating tripod")
+    return passing
+
+
+def _waves(
+    problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, required: bool = False
+) -> list[FootfallPattern]:
+    """The wave of about as many columns as asked for, and a slower one, where they satisfy every family."""
+    limbs = len(problem.locomotive_anywhere)
+    if not limbs:
+        return [] if not required else [solve(problem, families, SearchOptions())]
+    swing = swing_columns_for(problem.columns, limbs)
+    found = [best_wave(problem, travel, s) for s in (swing, swing + 1)]
+    passing = [p for p in found if passes(p.contact, replace(problem, columns=p.columns), families)]
+    if required and not passing:
+        raise _unfit(found[0], replace(problem, columns=found[0].columns), families, "wave")
+    return passing
+
+
+def _program(
+    problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int
+) -> tuple[FootfallPattern, ...]:
+    """Ties of the periodic program, each gait once, best first."""
+    best = solve(problem, families, options)
+    listed = ties(problem, families, best, options)
+    gaits = [replace(listed[0], contact=c) for c in distinct_gaits(tuple(p.contact for p in listed))]
+    return ranked(gaits, problem, travel)[:limit]
+
+
+def _unfit(
+    pattern: FootfallPattern, problem: FootfallProblem, families: tuple[ConstraintSet, ...], name: str
+) -> InfeasibleFootfall:
+    """The exception for a method whose one pattern breaks a family."""
+    broken = check_pattern(pattern.contact, problem, families)
+    keys = tuple(dict.fromkeys(v.family for v in broken))
+    limbs = {n for v in broken for n in v.limbs}
+    text = f"The {name} of {', '.join(problem.locomotive_anywhere) or 'no limbs'} breaks {', '.join(keys)}."
+    advice = "Use method=auto or method=program, or let other limbs walk."
+    explain = {
+        "families": list(keys),
+        "limbs": [n for n in problem.limbs if n in limbs],
+        "columns": sorted({j for v in broken for j in v.columns}),
+        "text": f"{text} {broken[0].text}.",
+        "advice": advice,
+        "proof": "check",
+    }
+    return InfeasibleFootfall(f"{text} {broken[0].text}. {advice}", explain)
+
+
+def _once(patterns: Iterable[FootfallPattern]) -> tuple[FootfallPattern, ...]:
+    """Each gait once, the first of several equal ones kept."""
+    kept: dict[tuple[int, bytes], FootfallPattern] = {}
+    for pattern in patterns:
+        kept.setdefault((pattern.columns, canonical(pattern.contact)), pattern)
+    return tuple(kept.values())
+
+
+__all__ = [
+    "METHODS",
+    "Method",
+    "gait_pattern_candidates",
+    "limbs_named",
+    "synthesize_gait_pattern",
+    "synthesize_transition_pattern",
+    "transition_pattern_candidates",
+]
