@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import traceback
@@ -24,8 +25,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         print(f"gaitforge {__version__}")
         return 0
-    for variable in THREADS:  # one thread a solver is three times faster than the default; see FACTS in docs
+    for variable in THREADS:  # with the default number of threads the motion solver is three times slower
         os.environ.setdefault(variable, "1")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a terminal without UTF-8 is no reason to stop a run
+            stream.reconfigure(errors="replace")
     debug = os.environ.get("HYDRA_FULL_ERROR") == "1" or "debug=true" in arguments
     try:
         return _run(arguments)
@@ -58,19 +62,27 @@ def _task(allow: tuple[str, ...], outcomes: list[JobOutcome]) -> Callable[[Any],
     def gaitforge_job(node: Any) -> JobOutcome:
         from gaitforge.cli.job import run_job
 
-        outcome = run_job(node, allow, say=print, complain=lambda text: print(text, file=sys.stderr))
+        outcome = run_job(node, allow, say=_say, complain=_complain)
         outcomes.append(outcome)
         return outcome
 
     return gaitforge_job
 
 
+def _say(text: str) -> None:
+    print(text, flush=True)
+
+
+def _complain(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
 def _finish_sweep(jobs: list[JobOutcome], refused: list[tuple[str, Exception]]) -> int:
     from gaitforge.cli.compose_errors import input_error
-    from gaitforge.cli.job import sweep_table
+    from gaitforge.cli.terminal import sweep_table
 
     for overrides, error in refused:
-        print(f"gaitforge: {overrides}\n{input_error(error)}", file=sys.stderr)
+        print(f"gaitforge: {overrides}: {input_error(error)}", file=sys.stderr)
     print(sweep_table(jobs, [overrides for overrides, _ in refused]))
     return max([job.code for job in jobs] + [2 for _ in refused], key=_badness)
 

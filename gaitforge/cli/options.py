@@ -23,7 +23,7 @@ def options(node: DictConfig, allow: Sequence[str]) -> Options:
     return Options(
         simulator=build(whole["verify"], Simulator, key="verify", allow=allow),
         recorder=build(whole["record"], McapRecorder, key="record", allow=allow),
-        motion=build(motion, MotionOptions, key="motion", allow=allow),
+        motion=build(motion, MotionOptions, key="motion", allow=allow) if motion else None,
         transition=transition.get("method", "optimise"),
         footfall=footfall_options(whole.get("footfall") or {}, allow),
         search=build(whole["pipeline"], Search, key="pipeline", allow=allow),

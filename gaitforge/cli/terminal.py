@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from gaitforge.cli.job import JobOutcome
@@ -38,51 +38,34 @@ class Narrator:
 
 def summary_text(outcome: RunOutcome) -> str:
     """The closing summary: segments with planned and measured speeds, verdict, files, how to open the log."""
+    from gaitforge.report.text import checks_text, segments_text
+
     summary = outcome.summary
-    lines = ["", *_segment_table(summary["segments"])] if summary["segments"] else [""]
-    lines += ["", _verdict(outcome, summary)]
-    lines += [f"  {check}" for check in _failed_checks(summary["checks"])]
-    explain = summary.get("explain") or {}
-    lines += [f"  advice: {explain['advice']}"] if explain.get("advice") else []
-    lines += ["", f"files    {outcome.folder}"]
-    if (outcome.folder / "run.mcap").exists():
-        lines += [
-            f"log      open {_short(outcome.folder / 'run.mcap')} in Foxglove or Lichtblick,",
-            "         then import run.layout.json beside it as the layout",
-            f"report   {_short(outcome.folder / 'report.html')}",
-        ]
-    return "\n".join(lines)
+    parts = [segments_text(summary)] if summary["segments"] else []
+    parts.append(_verdict(outcome))
+    if any(not check["passed"] for check in summary["checks"]):
+        parts.append(checks_text(summary, failed_only=True))
+    parts.append(_files(outcome.folder))
+    return "\n" + "\n\n".join(parts)
 
 
-def _segment_table(segments: Sequence[Mapping[str, Any]]) -> list[str]:
-    rows = [("segment", "kind", "limbs", "pattern", "columns", "time", "planned", "measured")]
-    for s in segments:
-        rows.append((
-            s["name"], s["kind"], str(len(s["limbs_locomotive"])), s["source"], str(s["columns"]),
-            f"{s['duration_s']:.2f} s", _speed(s["speed_planned_m_s"]), _speed(s["speed_measured_m_s"]),
-        ))  # fmt: skip
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
-
-
-def _speed(value: float | None) -> str:
-    return "–" if value is None else f"{100 * value:.2f} cm/s"
-
-
-def _verdict(outcome: RunOutcome, summary: Mapping[str, Any]) -> str:
+def _verdict(outcome: RunOutcome) -> str:
+    summary = outcome.summary
     judged = [c for c in summary["checks"] if c["limit"] is not None]
-    passed = sum(c["passed"] for c in judged)
-    checks = f", {passed} of {len(judged)} checks hold" if judged else ""
-    why = f": {outcome.message}" if outcome.message and not judged else ""
-    return f"{outcome.status}{checks}{why} ({summary['timings_s']['total']:.1f} s)"
+    held = f": {sum(c['passed'] for c in judged)} of {len(judged)} checks hold" if judged else ""
+    why = f": {outcome.message}" if outcome.message else ""
+    advice = (summary.get("explain") or {}).get("advice")
+    said = f"\n{advice}" if advice and advice not in outcome.message else ""
+    return f"{outcome.status}{held}{why} ({summary['timings_s']['total']:.1f} s){said}"
 
 
-def _failed_checks(checks: Sequence[Mapping[str, Any]]) -> list[str]:
-    return [
-        f"✗ {c['name']} in {c['segment']} ({c['simulator']}): {c['value']:.4g} {c['unit']}, limit {c['limit']:.4g}"
-        for c in checks
-        if not c["passed"] and c["value"] is not None and c["limit"] is not None
-    ]
+def _files(folder: Path) -> str:
+    lines = [f"files   {_short(folder)}"]
+    if (folder / "run.mcap").exists():
+        lines.append("log     open run.mcap in Foxglove or Lichtblick and import run.layout.json as the layout")
+    if (folder / "report.html").exists():
+        lines.append("report  report.html")
+    return "\n".join(lines)
 
 
 def _short(path: Path) -> str:
@@ -92,11 +75,12 @@ def _short(path: Path) -> str:
 
 def sweep_table(jobs: Sequence[JobOutcome], refused: Sequence[str]) -> str:
     """One row for every job of a multirun."""
-    rows = [("robot", "task", "status", "exit", "time", "folder")]
-    rows += [
-        (j.robot, j.task, j.status, str(j.code), f"{j.seconds:.1f} s", _short(Path(j.folder)) if j.code != 2 else "–")
+    from gaitforge.report.text import table
+
+    header = ("robot", "task", "status", "exit", "time [s]", "folder")
+    rows = [
+        (j.robot, j.task, j.status, str(j.code), f"{j.seconds:.1f}", _short(Path(j.folder)) if j.code != 2 else "–")
         for j in jobs
     ]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
-    return "\n".join(["", *lines, *(f"not run (bad input): {overrides}" for overrides in refused)])
+    left = [f"not run, bad input: {overrides}" for overrides in refused]
+    return "\n" + "\n".join([table(header, rows), *left] if rows else left)

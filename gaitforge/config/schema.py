@@ -78,11 +78,11 @@ class Config:
 
     robot: RobotConf = field(default_factory=RobotConf)
     task: TaskConf = field(default_factory=TaskConf)
-    footfall: Any = MISSING
-    motion: Any = MISSING
-    pipeline: Any = MISSING
-    verify: Any = MISSING
-    record: Any = MISSING
+    footfall: Any = None
+    motion: Any = None
+    pipeline: Any = None
+    verify: Any = None
+    record: Any = None
     seed: int = 0
     outputs: str = "outputs"
     debug: bool = False

@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gaitforge.motion.timeline import Timeline
-from gaitforge.pipeline.manifest import manifest
-from gaitforge.pipeline.segment import Segment
-from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.pipeline.manifest import config_hash, manifest
 from gaitforge.record.files import write_json, write_text
-from gaitforge.robot.model import RobotModel
-from gaitforge.task.phase import Task
 
 if TYPE_CHECKING:
-    from gaitforge.pipeline.options import Options
+    from gaitforge.motion.timeline import Timeline
+    from gaitforge.pipeline.run import Run
+    from gaitforge.robot.model import RobotModel
     from gaitforge.verify.verdict import Verdict
 
 
-def write_start_files(folder: Path, robot: RobotModel, config: Mapping[str, Any], seed: int) -> None:
+def write_start_files(run: Run) -> None:
     """``robot.urdf`` and ``manifest.json``, known before anything is planned."""
-    write_text(folder / "robot.urdf", robot.urdf)
-    write_json(folder / "manifest.json", manifest(config, robot.urdf, seed))
+    write_text(run.folder / "robot.urdf", run.robot.urdf)
+    write_json(run.folder / "manifest.json", manifest(run.config, run.robot.urdf, run.options.seed))
 
 
 def write_plan_files(folder: Path, robot: RobotModel, timeline: Timeline) -> None:
-    """``plan.npz``, ``footfall.csv`` and ``footfall.png``."""
+    """``plan.npz``, ``footfall.csv`` and ``footfall.png``: all that is known before the simulation."""
     from gaitforge.record import write_plan_npz
     from gaitforge.report.footfall_plot import write_footfall_csv, write_footfall_png
 
@@ -35,5 +32,31 @@ def write_plan_files(folder: Path, robot: RobotModel, timeline: Timeline) -> Non
     write_footfall_png(folder / "footfall.png", timeline)
 
 
-def write_run_files(folder: Path, run: Run, verdict: Verdict) -> None:
-    """``run.mcap``, ``run.layout.json`` and ``report.html``, once the run has been simulated."""
+def write_log_files(run: Run, verdict: Verdict) -> None:
+    """``run.mcap``, ``run.layout.json`` and ``speed.png``: what the simulation showed."""
+    from gaitforge.record.layout import write_layout
+    from gaitforge.report.speed_plot import write_speed_png
+
+    metadata = {
+        "robot": run.robot.name,
+        "task": run.task.name,
+        "seed": str(run.options.seed),
+        "config_sha256": config_hash(run.config),
+    }
+    run.options.recorder.write(
+        run.folder / "run.mcap", run.robot, verdict, scene=run.task.scene, metadata=metadata
+    )
+    write_layout(run.folder / "run.layout.json", run.robot, verdict.timeline)
+    write_speed_png(run.folder / "speed.png", verdict)
+
+
+def write_report(run: Run, summary: Mapping[str, Any], verdict: Verdict | None) -> None:
+    """``report.html``, with the plots that there are."""
+    from gaitforge.report.page import write_report_html
+
+    footfall, speed = (_bytes(run.folder / name) for name in ("footfall.png", "speed.png"))
+    write_report_html(run.folder / "report.html", summary, footfall_png=footfall, speed_png=speed)
+
+
+def _bytes(path: Path) -> bytes | None:
+    return path.read_bytes() if path.exists() else None

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from gaitforge.errors import InfeasibleMotion, UnsolvedError
+from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.pipeline.certificate import refuse_impossible_speed
 from gaitforge.pipeline.options import Options
@@ -95,13 +95,19 @@ def _candidates(
         method = robot.nominal.gait
     seen: set[bytes] = set()
     if method != "auto":
-        with watch.stage("footfall"):
-            pattern = synthesize_gait_pattern(
-                robot, locomotive=locomotive, columns=columns, method=method, **options.footfall
-            )
-        watch.progress("footfall", f"{phase.name}: {_words(pattern)}")
-        seen.add(pattern.contact.tobytes())
-        yield pattern
+        try:
+            with watch.stage("footfall"):
+                pattern = synthesize_gait_pattern(
+                    robot, locomotive=locomotive, columns=columns, method=method, **options.footfall
+                )
+        except InfeasibleFootfall as error:
+            if phase.gait != "auto":
+                raise
+            watch.progress("footfall", f"{phase.name}: no {method}: {error}")
+        else:
+            watch.progress("footfall", f"{phase.name}: {_words(pattern)}")
+            seen.add(pattern.contact.tobytes())
+            yield pattern
     if phase.gait != "auto":
         return
     with watch.stage("footfall"):

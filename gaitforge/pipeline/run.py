@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gaitforge.errors import GaitforgeError, InfeasibleError, InputError, UnsolvedError
-from gaitforge.pipeline.files import write_plan_files, write_run_files, write_start_files, write_summary
+from gaitforge.errors import GaitforgeError, InputError
+from gaitforge.pipeline.files import write_log_files, write_plan_files, write_report, write_start_files
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.outcome import EXIT_CODES, RunOutcome
 from gaitforge.pipeline.schedule import plan_task
 from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.report.summary import build_summary, segment_entry, write_summary
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Task
 from gaitforge.verify.verdict import Verdict
@@ -21,7 +22,7 @@ from gaitforge.verify.verdict import Verdict
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Everything about one run that does not change while it runs."""
+    """What one run is about."""
 
     robot: RobotModel
     task: Task
@@ -32,28 +33,26 @@ class Run:
 
 
 def run_task(run: Run, watch: Stopwatch) -> RunOutcome:
-    """Plan, verify and record a task; ``summary.json`` is written last and whatever happens.
+    """Plan, verify and record a task; ``summary.json`` is written last, and whatever happens.
 
-    Only `InputError` (from here on: an output folder that cannot be written) and errors outside the
-    project's own tree leave this function; the latter after the summary has been written.
+    `InputError` (a limb that does not exist, a folder that cannot be written) and errors that are not
+    the project's own leave this function, the latter after the summary has been written.
     """
     run.folder.mkdir(parents=True, exist_ok=True)
     (run.folder / "summary.json").unlink(missing_ok=True)
-    write_start_files(run.folder, run.robot, run.config, run.options.seed)
+    write_start_files(run)
     segments: list[Segment] = []
     try:
         verdict = _plan_and_verify(run, watch, segments)
     except InputError:
         raise
     except GaitforgeError as error:
-        return _failed(run, watch, segments, error.status, error.exit_code, error)
+        return _finish(run, watch, segments, error.status, error.exit_code, error=error)
     except Exception as error:
-        _failed(run, watch, segments, "error", 4, error)
+        _finish(run, watch, segments, "error", EXIT_CODES["error"], error=error)
         raise
     status = "verified" if verdict.passed else "unverified"
-    summary = write_summary(run.folder, run.robot, run.task, status, segments, watch, verdict=verdict)
-    failed = ", ".join(f"{c.name} of {c.segment}" for c in verdict.failed)
-    return RunOutcome(status, EXIT_CODES[status], summary, run.folder, failed)
+    return _finish(run, watch, segments, status, EXIT_CODES[status], verdict=verdict)
 
 
 def _plan_and_verify(run: Run, watch: Stopwatch, segments: list[Segment]) -> Verdict:
@@ -65,27 +64,50 @@ def _plan_and_verify(run: Run, watch: Stopwatch, segments: list[Segment]) -> Ver
         timeline = build_timeline(run.robot, [(s.plan, s.cycles) for s in segments], run.task.scene)
     with watch.stage("record"):
         write_plan_files(run.folder, run.robot, timeline)
-    limits = {} if run.options.limits is None else {"limits": run.options.limits}
+    watch.progress("verify", f"{timeline.duration:.1f} s to simulate in {run.options.simulator.name}")
     with watch.stage("verify"):
         verdict = verify_timeline(
-            run.robot, timeline, run.task.scene, simulator=run.options.simulator, **limits,
-        )  # fmt: skip
-    watch.progress("verify", f"{verdict.simulator}: {timeline.duration:.1f} s simulated")
+            run.robot, timeline, run.task.scene, simulator=run.options.simulator, limits=run.options.limits
+        )
+    watch.progress("verify", f"{len(verdict.checks)} checks, {len(verdict.failed)} failed")
     with watch.stage("record"):
-        write_run_files(run.folder, run.robot, run.task, run.options, verdict)
-    watch.progress("record", "log, layout, plots and report")
+        write_log_files(run, verdict)
+    watch.progress("record", "log, layout and plots")
     return verdict
 
 
-def _failed(
-    run: Run, watch: Stopwatch, segments: list[Segment], status: str, code: int, error: Exception
-) -> RunOutcome:
-    explain = error.explain if isinstance(error, InfeasibleError | UnsolvedError) else None
-    known = isinstance(error, GaitforgeError)
-    what = error.as_dict() if known else {
-        "type": type(error).__name__, "file": None, "key": None, "found": str(error), "expected": None,
-    }  # fmt: skip
-    summary = write_summary(
-        run.folder, run.robot, run.task, status, segments, watch, explain=explain, error=what
-    )
-    return RunOutcome(status, code, summary, run.folder, str(error))
+def _finish(
+    run: Run, watch: Stopwatch, segments: list[Segment], status: str, code: int, *,
+    verdict: Verdict | None = None, error: Exception | None = None,
+) -> RunOutcome:  # fmt: skip
+    def summary() -> dict[str, Any]:
+        return build_summary(
+            robot=run.robot.name,
+            task=run.task.name,
+            status=status,
+            segments=_entries(segments, verdict),
+            checks=verdict.checks if verdict else (),
+            timings=watch.timings(),
+            explain=getattr(error, "explain", None),
+            error=_error_entry(error) if status == "error" else None,
+        )
+
+    with watch.stage("record"):
+        write_report(run, summary(), verdict)
+    final = summary()
+    write_summary(run.folder / "summary.json", final)
+    return RunOutcome(status, code, final, run.folder, str(error or ""))
+
+
+def _entries(segments: list[Segment], verdict: Verdict | None) -> list[dict[str, Any]]:
+    speeds: list[float | None] = [*verdict.speeds] if verdict else [None] * len(segments)
+    return [
+        {**segment_entry(s.plan, speed), "left": [a.as_dict() for a in s.left]}
+        for s, speed in zip(segments, speeds, strict=True)
+    ]
+
+
+def _error_entry(error: Exception | None) -> Mapping[str, Any]:
+    if isinstance(error, GaitforgeError):
+        return error.as_dict()
+    return {"type": type(error).__name__, "file": None, "key": None, "found": str(error), "expected": None}

@@ -24,6 +24,9 @@ def plan_change(
     from gaitforge.motion.transition import plan_transition
 
     name = f"{before.name}_to_{after.name}"
+    if options.transition == "interpolate":
+        with watch.stage("motion"):
+            return Segment(plan_transition(robot, before, after, method="interpolate", name=name))
     attempts: list[Attempt] = []
     for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts):
         what = f"{pattern.columns} columns of {column_s:.3f} s, {pattern.changes} changes"
@@ -31,8 +34,7 @@ def plan_change(
         try:
             with watch.stage("motion"):
                 plan = plan_transition(
-                    robot, before, after, pattern=pattern, column_s=column_s, method=options.transition, name=name,
-                    options=options.motion,
+                    robot, before, after, pattern=pattern, column_s=column_s, name=name, options=options.motion,
                 )  # fmt: skip
         except (UnsolvedError, InfeasibleMotion) as error:
             attempts.append(Attempt(what, str(error), time.perf_counter() - begin))
