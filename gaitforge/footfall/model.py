@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.errors import InputError, Problem
-from gaitforge.footfall.constraints import ConstraintSet, Violation
+from gaitforge.footfall.constraints import ConstraintSet, LimbConstraint, Violation
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
 
@@ -30,6 +30,18 @@ def check_pattern(
 ) -> tuple[Violation, ...]:
     """Everything that is wrong with a finished pattern (n_F, m), without any program."""
     return tuple(v for family in families for v in family.violations(contact, problem))
+
+
+def can_be_turned(problem: FootfallProblem, families: Iterable[ConstraintSet]) -> bool:
+    """Whether every rotation of a solution is a solution: a cyclic problem without a family that names a column."""
+    for family in families:
+        if family.scope == "general":
+            return False
+        if isinstance(family, LimbConstraint):
+            fixed = [c for rule in family.rules(problem) for c in (rule.swing_in, rule.stance_in)]
+            if any(0 < len(columns) < problem.columns for columns in fixed):
+                return False
+    return problem.cyclic
 
 
 def check_problem(problem: FootfallProblem) -> None:

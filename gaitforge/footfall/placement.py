@@ -31,6 +31,29 @@ def stance_offsets(pattern: FootfallPattern, ends: tuple[Array, Array] | None = 
     return offsets
 
 
+def step_rate(pattern: FootfallPattern, offsets: Array, ends: tuple[Array, Array] | None = None) -> float:
+    """Largest mean speed of a foot in swing, in the body frame and in units of the body's own speed.
+
+    `offsets` and `ends` as in `stance_offsets`.  A swing cut off by an end of a transition starts or stops at
+    the gait's own offset there; a limb that does not walk on that side has none, and is left out.
+    """
+    m, worst = pattern.columns, 0.0
+    for i, row in enumerate(pattern.contact):
+        for run in runs_of(row, pattern.cyclic):
+            if run.stance or not row.any():
+                continue
+            first, after = run.start, run.start + run.length
+            if run.whole:
+                lift, land = offsets[i, first - 1, 1], offsets[i, after % m, 0]
+            elif ends is not None:
+                lift = offsets[i, first - 1, 1] if first > 0 else ends[0][i]
+                land = offsets[i, after, 0] if after < m else ends[1][i]
+            else:
+                continue
+            worst = max(worst, abs(float(land - lift)) / run.length)
+    return worst
+
+
 def _landing_offset(run: Run, m: int, ends: tuple[float, float] | None) -> float:
     """Offset at the first instant of a stance phase [columns of travel]."""
     if ends is None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.footfall.margin import Stability, stability
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.footfall.placement import stance_offsets
+from gaitforge.footfall.placement import stance_offsets, step_rate
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.seam import airborne
 
@@ -31,6 +31,14 @@ SWAY = 0.15
 """How far the body may be shifted, as a part of the mean distance from the centre of mass to the footholds."""
 
 
+AMPLE = 0.03
+"""[m] margin beyond which more is no better"""
+GRAIN = 0.002
+"""[m] margins closer than this are alike"""
+UNHURRIED = 5.0
+"""Mean speed of a foot in swing, in units of the body's speed: that of a four-limbed wave of 2 + 1 columns."""
+
+
 def stability_of(pattern: FootfallPattern, problem: FootfallProblem, travel: Travel) -> Stability:
     """Margins and centroid heuristic of a pattern over the problem's footholds; needs `problem.footholds`."""
     assert problem.footholds is not None
@@ -45,12 +53,12 @@ def stability_of(pattern: FootfallPattern, problem: FootfallProblem, travel: Tra
 def ranked(
     patterns: Iterable[FootfallPattern], problem: FootfallProblem, travel: Travel
 ) -> tuple[FootfallPattern, ...]:
-    """Best first; each pattern's `info` gets margin_m, switch_margin_m and centroid_m.
+    """Best first; each pattern's `info` gets margin_m, switch_margin_m, centroid_m and step_rate.
 
-    A gait is judged by the margin that one shift of the body gives, a transition by its switches (there the
-    body is on its way anyhow); equal ones by the other margin, the number of changes and the centroid.
-    A gait during which some foot is always in the air comes after those that can be started from a stand.
-    Without footholds the order is that of Σ y alone.
+    In this order: a gait that can be started from a stand before one with always some foot in the air; no
+    step in a hurry (`step_rate` up to `UNHURRIED`); margin, up to `AMPLE`, of which more does not help: of a gait
+    the one that one shift of the body gives, of a transition the one at its switches, since there the body is
+    on its way anyhow; fewer changes; slower steps; the centroid.  Without footholds: Σ y alone.
     """
     patterns = list(patterns)
     if problem.footholds is None:
@@ -58,16 +66,19 @@ def ranked(
     judged = []
     for pattern in patterns:
         s = stability_of(pattern, problem, travel)
+        rate = step_rate(pattern, stance_offsets(pattern, travel.ends), travel.ends)
         measures = {"margin_m": s.margin, "switch_margin_m": s.switch_margin, "centroid_m": s.centroid}
-        judged.append((_order(pattern, s), replace(pattern, info={**pattern.info, **measures})))
+        measures["step_rate"] = rate
+        judged.append((_order(pattern, s, rate), replace(pattern, info={**pattern.info, **measures})))
     return tuple(pattern for _, pattern in sorted(judged, key=lambda item: item[0]))
 
 
-def _order(pattern: FootfallPattern, s: Stability) -> tuple[float, ...]:
+def _order(pattern: FootfallPattern, s: Stability, rate: float) -> tuple[float, ...]:
     in_air = int(airborne(pattern.contact).min()) if pattern.cyclic else 0
+    hurry = round(2 * max(0.0, rate - UNHURRIED)) / 2
     margins = (s.margin, s.switch_margin) if pattern.cyclic else (s.switch_margin, s.margin)
-    millimetres = [-round(1e3 * value) for value in margins]
-    return (in_air, *millimetres, pattern.changes, round(s.centroid, 6))
+    steps = [-round(min(value, AMPLE) / GRAIN) for value in margins]
+    return (in_air, hurry, *steps, pattern.changes, round(rate, 2), round(s.centroid, 6))
 
 
 def diverse(patterns: Sequence[FootfallPattern], limit: int, apart: int = 4) -> tuple[FootfallPattern, ...]:

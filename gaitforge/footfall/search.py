@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,9 +14,11 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.constraints import ConstraintSet
 from gaitforge.footfall.counting import counting_clash
 from gaitforge.footfall.explain import explain_infeasible, infeasible_footfall
-from gaitforge.footfall.model import build_program, check_pattern, check_problem
+from gaitforge.footfall.model import build_program, can_be_turned, check_pattern, check_problem
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.problem import FootfallProblem
+from gaitforge.footfall.program import Program
+from gaitforge.footfall.seam import distinct_gaits
 from gaitforge.footfall.solvers.base import FootfallSolver, Solution
 from gaitforge.footfall.solvers.cpsat import CpSat
 
@@ -28,8 +31,10 @@ class SearchOptions:
     seed: int = 0
     time_limit_s: float = 10.0
     """[s] for the optimum and its proof"""
-    listing_limit: int = 300
-    """[patterns] most ties looked at"""
+    listing_limit: int = 500
+    """[patterns] most ties listed"""
+    sample: int = 200
+    """[patterns] most ties kept, spread evenly over those listed: neighbours in the list are much alike"""
     listing_s: float = 1.0
     """[s] most time for looking at ties"""
 
@@ -47,7 +52,7 @@ def solve(problem: FootfallProblem, families: Sequence[ConstraintSet], options: 
         raise infeasible_footfall(clash)
     program = build_program(problem, families)
     built = time.perf_counter() - start
-    solution = options.solver.minimize(program, options.time_limit_s, options.seed)
+    solution = _minimize(program, can_be_turned(problem, families), options)
     if solution.status == "infeasible":
         raise infeasible_footfall(explain_infeasible(problem, families, options.solver, options.seed))
     if solution.contact is None:
@@ -59,6 +64,23 @@ def solve(problem: FootfallProblem, families: Sequence[ConstraintSet], options: 
     return _pattern(solution.contact, problem, _info(solution, options.solver.name, built))
 
 
+def _minimize(program: Program, turnable: bool, options: SearchOptions) -> Solution:
+    """The optimum; of gaits that can be turned only those with a change at the seam are looked at first."""
+    if turnable:
+        solution = options.solver.minimize(_with_seam_change(program), options.time_limit_s, options.seed)
+        if solution.status != "infeasible":
+            return solution
+    return options.solver.minimize(program, options.time_limit_s, options.seed)
+
+
+def _with_seam_change(program: Program) -> Program:
+    """The same program with y_m−1 = 1: one of the m rotations of a gait that changes at all."""
+    turned = copy.copy(program)
+    turned.rows = list(program.rows)
+    turned.row([(program.changed(program.problem.columns - 1), 1)], 1, None, "seam")
+    return turned
+
+
 def ties(
     problem: FootfallProblem,
     families: Sequence[ConstraintSet],
@@ -68,11 +90,12 @@ def ties(
 ) -> list[FootfallPattern]:
     """Distinct patterns with Σ y up to that of `best` + `slack`, `best` among them; bounded in number and time.
 
-    Cyclic patterns are listed with a change at the seam, which every gait can be turned to have.
+    Of cyclic patterns each gait is given once.
     """
     program = build_program(problem, families)
-    if problem.cyclic and best.changes:
-        program.row([(program.changed(problem.columns - 1), 1)], 1, None, "seam")
+    turnable = can_be_turned(problem, families)
+    if turnable and best.changes:
+        program = _with_seam_change(program)
     found = options.solver.listing(
         program,
         most_changes=best.changes + slack,
@@ -80,10 +103,17 @@ def ties(
         time_limit_s=options.listing_s,
         seed=options.seed,
     )
-    info = {**best.info, "ties": len(found.contacts), "ties_complete": found.complete, "listing_s": found.solve_s}
-    patterns = [_pattern(contact, problem, info) for contact in found.contacts]
-    known = {p.contact.tobytes() for p in patterns}
-    return patterns if best.contact.tobytes() in known else [best, *patterns]
+    contacts = (best.contact, *found.contacts)
+    kept = distinct_gaits(contacts) if turnable else list({c.tobytes(): c for c in contacts}.values())
+    info = {**best.info, "ties": len(kept), "ties_complete": found.complete, "listing_s": found.solve_s}
+    spread = np.unique(np.linspace(0, len(kept) - 1, min(len(kept), _sample(problem, options))).astype(int))
+    return [_pattern(kept[k], problem, info) for k in spread]
+
+
+def _sample(problem: FootfallProblem, options: SearchOptions) -> int:
+    """Ranking costs n_F² m a pattern, so fewer are kept for larger robots."""
+    n, m = len(problem.limbs), problem.columns
+    return max(options.sample // 5, min(options.sample, options.sample * 6 * 6 * 12 // (n * n * m)))
 
 
 def passes(contact: NDArray[np.bool_], problem: FootfallProblem, families: Sequence[ConstraintSet]) -> bool:

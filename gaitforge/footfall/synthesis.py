@@ -16,12 +16,12 @@ from gaitforge.errors import InfeasibleFootfall, InputError, Problem
 from gaitforge.footfall.constraints import ConstraintSet, Families, with_problem_families
 from gaitforge.footfall.from_robot import gait_problem, limbs_named, pattern_of, transition_problem
 from gaitforge.footfall.given import alternating
-from gaitforge.footfall.model import check_pattern, check_problem
+from gaitforge.footfall.model import can_be_turned, check_pattern, check_problem
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.placement import offset_at
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.ranking import Travel, diverse, ranked
-from gaitforge.footfall.seam import at_grounded_seam, canonical, distinct_gaits
+from gaitforge.footfall.seam import at_grounded_seam, canonical
 from gaitforge.footfall.search import SearchOptions, passes, solve, ties
 from gaitforge.footfall.solvers.base import FootfallSolver
 from gaitforge.footfall.solvers.cpsat import CpSat
@@ -97,7 +97,8 @@ def gait_pattern_candidates(
         found = list(_program(problem, families, travel, options, limit))
     else:
         found = _cascade(problem, families, travel, options, limit)
-    return _once(at_grounded_seam(pattern) for pattern in found)[:limit]
+    turnable = can_be_turned(problem, families)
+    return _once(at_grounded_seam(pattern) if turnable else pattern for pattern in found)[:limit]
 
 
 def synthesize_transition_pattern(
@@ -242,9 +243,7 @@ def _program(
 ) -> tuple[FootfallPattern, ...]:
     """Ties of the periodic program, each gait once, best first."""
     best = solve(problem, families, options)
-    listed = ties(problem, families, best, options)
-    gaits = [replace(listed[0], contact=c) for c in distinct_gaits(tuple(p.contact for p in listed))]
-    return ranked(gaits, problem, travel)[:limit]
+    return ranked(ties(problem, families, best, options), problem, travel)[:limit]
 
 
 def _unfit(

@@ -13,6 +13,9 @@ from gaitforge.errors import InputError, Problem
 from gaitforge.footfall.program import Program, Row
 from gaitforge.footfall.solvers.base import Listing, Solution, Status
 
+DRAWS = 12
+"""Patterns drawn along random directions when there are too many to list."""
+
 
 @dataclass(frozen=True)
 class CpSat:
@@ -58,21 +61,18 @@ class CpSat:
         return {"optimal": True, "feasible": True, "infeasible": False, "unknown": None}[status]
 
     def listing(self, program: Program, *, most_changes: int, limit: int, time_limit_s: float, seed: int) -> Listing:
-        """Up to `limit` distinct patterns with Σ y ≤ `most_changes`: all of them, or a spread sample.
+        """Up to `limit` distinct patterns with Σ y ≤ `most_changes`.
 
-        CP-SAT lists neighbours one after the other, so when there are more than `limit` the second half
-        is drawn by random directions instead.
+        CP-SAT lists neighbours one after the other, so when there are more a few are drawn along random
+        directions as well.
         """
         start = time.perf_counter()
         model, variables = _translate(program)
         model.add(sum(variables[v] for v in program.objective) <= most_changes)
         found: dict[bytes, NDArray[np.bool_]] = {}
-        complete = self._list_all(program, model, variables, found, limit, 0.6 * time_limit_s, seed)
+        complete = self._list_all(program, model, variables, found, max(1, limit - DRAWS), 0.7 * time_limit_s, seed)
         if not complete:
-            for key in list(found)[limit // 2 :]:
-                del found[key]
-            deadline = start + time_limit_s
-            self._draw(program, model, variables, found, limit, deadline, seed)
+            self._draw(program, model, variables, found, start + time_limit_s, seed)
         return Listing(tuple(found.values()), complete, time.perf_counter() - start)
 
     def _run(self, model: Any, time_limit_s: float, seed: int) -> tuple[Any, Status]:
@@ -134,20 +134,19 @@ class CpSat:
         model: Any,
         variables: list[Any],
         found: dict[bytes, NDArray[np.bool_]],
-        limit: int,
         deadline: float,
         seed: int,
     ) -> None:
-        """Extreme patterns along random directions in C, until the limit or the deadline."""
+        """Extreme patterns along random directions in C."""
         rng = np.random.default_rng(seed)
         cells = len(program.problem.limbs) * program.problem.columns
-        tries = 0
-        while len(found) < limit and tries < limit and time.perf_counter() < deadline:
-            tries += 1
+        for draw in range(DRAWS):
+            if time.perf_counter() > deadline:
+                return
             weights = rng.integers(-9, 10, size=cells)
             model.clear_objective()
             model.minimize(sum(int(w) * v for w, v in zip(weights, variables[:cells], strict=True)))
-            solver = self._solver(deadline - time.perf_counter(), seed + tries, lean=True)
+            solver = self._solver(deadline - time.perf_counter(), seed + draw, lean=True)
             if solver.status_name(solver.solve(model)) not in ("OPTIMAL", "FEASIBLE"):
                 return
             contact = _contact(program, solver, variables)
