@@ -55,7 +55,7 @@ def make_plan(robot: RobotModel, name: str, kind: str, contact: np.ndarray, seco
 
 
 def make_timeline(robot: RobotModel) -> Timeline:
-    """Stand, two cycles of a tripod, a transition, three cycles without the first limb."""
+    """Stand, two cycles of a tripod, a transition, three cycles without the first limb, stand."""
     n_f = len(robot.limbs)
     first = np.arange(n_f) % 2 == (np.arange(n_f) >= (n_f + 1) // 2)
     tripod = np.stack([first if j < 6 else ~first for j in range(12)], axis=1)
@@ -67,6 +67,7 @@ def make_timeline(robot: RobotModel) -> Timeline:
         (make_plan(robot, "all", "gait", tripod, 2.0, SPEED), 2),
         (make_plan(robot, "all to five", "transition", move, 1.25, SPEED), 1),
         (make_plan(robot, "five", "gait", other, 2.0, SPEED), 3),
+        (make_plan(robot, "stop", "stand", np.ones((n_f, 4), dtype=bool), 0.5, 0.0), 1),
     )
     entries, start, x = [], 0.0, 0.0
     for plan, cycles in plans:
@@ -131,4 +132,4 @@ def make_verdict(robot: RobotModel) -> Verdict:
         Check("tilt", "five", "pybullet", 2.4, 2.0, "deg", False),
         Check("cost_of_transport", "five", "pybullet", float("nan"), None, "-", True),
     )
-    return Verdict("pybullet", checks, make_trace(timeline), timeline, (0.0, 0.0634, 0.0612, 0.0641))
+    return Verdict("pybullet", checks, make_trace(timeline), timeline, (0.0, 0.0634, 0.0612, 0.0641, 0.0))

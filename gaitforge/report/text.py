@@ -1,0 +1,68 @@
+"""Tables of plain text for terminals, from what stands in ``summary.json``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Columns as wide as their widest cell; numbers to the right."""
+    cells = [list(header), *(list(row) for row in rows)]
+    widths = [max(len(row[k]) for row in cells) for k in range(len(header))]
+    right = [bool(rows) and all(_is_number(row[k]) for row in rows) for k in range(len(header))]
+    lines = [
+        "  ".join(c.rjust(w) if r else c.ljust(w) for c, w, r in zip(row, widths, right, strict=True)).rstrip()
+        for row in cells
+    ]
+    return "\n".join([lines[0], "  ".join("─" * w for w in widths), *lines[1:]])
+
+
+def segments_text(summary: Mapping[str, Any]) -> str:
+    """Gaits, transitions and stands with planned and measured speed."""
+    header = ("segment", "kind", "limbs", "source", "columns", "time [s]", "planned [cm/s]", "measured [cm/s]")
+    rows = [
+        (
+            segment["name"],
+            segment["kind"],
+            str(len(segment["limbs_locomotive"])),
+            segment["source"],
+            str(segment["columns"]),
+            f"{segment['duration_s']:.2f}",
+            _cm(segment["speed_planned_m_s"]),
+            _cm(segment["speed_measured_m_s"]),
+        )
+        for segment in summary["segments"]
+    ]
+    return table(header, rows)
+
+
+def checks_text(summary: Mapping[str, Any], *, failed_only: bool = False) -> str:
+    """What was asked of the simulated run, and the answers."""
+    header = ("", "check", "segment", "value", "limit", "unit")
+    rows = [
+        (mark(check), check["name"], check["segment"], number(check["value"]), number(check["limit"]), check["unit"])
+        for check in summary["checks"]
+        if not (failed_only and check["passed"])
+    ]
+    return table(header, rows)
+
+
+def mark(check: Mapping[str, Any]) -> str:
+    """✓ held · ✗ did not · "·" was reported only."""
+    if not check["passed"]:
+        return "✗"
+    return "·" if check["limit"] is None else "✓"
+
+
+def number(value: float | None) -> str:
+    """Four digits, or a dash for what is not there."""
+    return "–" if value is None else f"{value:.4g}"
+
+
+def _cm(speed: float | None) -> str:
+    return "–" if speed is None else f"{100 * speed:.2f}"
+
+
+def _is_number(cell: str) -> bool:
+    return cell == "–" or cell.replace(".", "", 1).replace("-", "", 1).replace("e", "", 1).isdigit()
