@@ -134,6 +134,7 @@ def _carried_spline(times: Array, poses: Array, turns: int = 2) -> CubicSpline:
         spline = CubicSpline(times, rest, axis=0, bc_type="periodic")
         spline.c[-2] += slope
         spline.c[-1] += np.outer(times[:-1], slope)
+        spline.extrapolate = True  # not periodic any more: the end is where the travel leads
         return spline
     return CubicSpline(np.concatenate(stamps), values, axis=0)
 

@@ -81,6 +81,8 @@ class RobotModel:
     base_link: str = "base_link"
     modules: int = 0
     """Number of actuated modules."""
+    warnings: tuple[str, ...] = ()
+    """What was noticed about the robot's file and is no error."""
 
     @cached_property
     def pin(self) -> pinocchio.Model:
@@ -134,6 +136,18 @@ class RobotModel:
         q[3:7] = pinocchio.Quaternion(pinocchio.rpy.rpyToMatrix(base[3:6])).coeffs()
         q[self._q_index] = np.asarray(joints, dtype=float)
         return q
+
+    def velocity_vector(self, base_pose: ArrayLike, base_rate: ArrayLike, joint_rates: ArrayLike) -> Array:
+        """(nv,) Pinocchio's v from the rates of x, y, z, roll, pitch, yaw [m/s, rad/s] and of the joints."""
+        import pinocchio
+
+        pose, rate = np.asarray(base_pose, dtype=float), np.asarray(base_rate, dtype=float)
+        rotation = pinocchio.rpy.rpyToMatrix(pose[3:6])
+        v = np.zeros(self.pin.nv)
+        v[:3] = rotation.T @ rate[:3]
+        v[3:6] = rotation.T @ pinocchio.rpy.computeRpyJacobian(pose[3:6], pinocchio.WORLD) @ rate[3:6]
+        v[self._q_index - 1] = np.asarray(joint_rates, dtype=float)
+        return v
 
     def _data(self, base_pose: ArrayLike, joints: ArrayLike) -> Any:
         import pinocchio

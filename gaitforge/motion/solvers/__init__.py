@@ -1,0 +1,1 @@
+"""Solvers of the motion problem: a class with `solve(problem) -> Solution`."""

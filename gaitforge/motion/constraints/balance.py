@@ -1,0 +1,73 @@
+"""The centre of pressure of the inverted pendulum stays in the polygon of the feet that hold the interval."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from gaitforge.motion.family import Family, carried, carried_back
+from gaitforge.motion.problem import Problem, kernel
+from gaitforge.motion.trajectory import Trajectory
+
+GRAVITY = 9.81
+"""[m/s²]"""
+
+
+@dataclass(frozen=True)
+class Balance(Family):
+    """CoP = x − z / (g + z̈) ẍ = Σ w e / Σ w with w ≥ w_min, at both ends of every interval.
+
+    Written without the quotient, whose pole at z̈ = −g throws an optimiser off: Σ w = 1 + z̈/g and
+    Σ w e = (1 + z̈/g) x − z ẍ / g, so that m g w_i is the vertical force on foot i.
+    w ≥ s/n for n stance feet keeps the CoP inside the support polygon shrunk towards its centroid
+    by the share s; where contacts change there are two sets of weights at one sample.
+    """
+
+    name: ClassVar[str] = "balance"
+    unit: ClassVar[str] = "m"
+    enforced: ClassVar[str] = "at samples, for the feet of the interval before and of the one after"
+
+    def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
+        """Three rows a sample and contact set: x and y of the CoP, and the sum of the weights."""
+        grid = trajectory.grid
+        sets = trajectory.weights
+        labels = [(k, feet) for k, feet, _ in sets]
+        rows = problem.add_rows(self.name, 0.0, 0.0, (len(sets), 3), self.unit, labels)
+        at = np.array([k for k, _, _ in sets])
+        before, after = grid.neighbours(at)
+        com = trajectory.com
+        variables = np.hstack([com[before], com[at], com[after]])
+        parameters = np.array([self._parameters(trajectory, int(k)) for k in at])
+        problem.add_term(self.name, kernel("cop", 9, 9, _cop_instant), variables, parameters, rows)
+        weighted = [
+            (w, *trajectory.feet[i][k, :2], *rows[s])
+            for s, (k, feet, index) in enumerate(sets)
+            for i, w in zip(feet, index, strict=True)
+        ]
+        table = np.array(weighted, dtype=np.intp)
+        problem.add_term(self.name, kernel("weight", 3, 0, _weight_instant), table[:, :3], np.zeros(0), table[:, 3:])
+
+    @staticmethod
+    def _parameters(trajectory: Trajectory, k: int) -> np.ndarray:
+        grid = trajectory.grid
+        coefficients, _, _ = grid.acceleration(k)
+        start = grid.start.com_velocity if grid.start is not None else np.zeros(3)
+        end = grid.end.com_velocity if grid.end is not None else np.zeros(3)
+        return np.concatenate([coefficients, grid.end_velocity_terms(k, start, end), grid.step])
+
+
+def _cop_instant(v: Any, p: Any) -> Any:
+    import casadi as ca
+
+    before, now, after = carried_back(v[:3], p[6:9]), v[3:6], carried(v[6:9], p[6:9])
+    acceleration = p[0] * before + p[1] * now + p[2] * after + p[3:6]
+    lift = 1 + acceleration[2] / GRAVITY
+    return ca.vertcat(lift * now[:2] - now[2] * acceleration[:2] / GRAVITY, -lift)
+
+
+def _weight_instant(v: Any, p: Any) -> Any:
+    import casadi as ca
+
+    return ca.vertcat(-v[0] * v[1], -v[0] * v[2], v[0])

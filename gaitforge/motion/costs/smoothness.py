@@ -1,0 +1,70 @@
+"""Smooth joints and a smooth base."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.motion.family import Family, carried, carried_back
+from gaitforge.motion.problem import Problem, kernel
+from gaitforge.motion.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Smoothness(Family):
+    """∫ w_q |q̈|² + w_p |p̈|² + w_θ |θ̈|² dt"""
+
+    name: ClassVar[str] = "smoothness"
+    unit: ClassVar[str] = "rad²/s³"
+    joints: float = 1e-3
+    """per (rad/s²)² s"""
+    position: float = 1e-1
+    """per (m/s²)² s"""
+    rotation: float = 1e-2
+    """per (rad/s²)² s"""
+
+    def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
+        """One place a limb and sample, one a sample for the base."""
+        grid, robot = trajectory.grid, trajectory.robot
+        at = np.arange(grid.samples)
+        before, after = grid.neighbours(at)
+        ends = (grid.start, grid.end)
+        for i in trajectory.moving:
+            rows = robot.joint_indices(robot.limbs[i])
+            q, count = trajectory.joints[i], len(rows)
+            speeds = [np.zeros(count) if e is None else e.joint_velocity[rows] for e in ends]
+            parameters = np.array([self._parameters(trajectory, k, *speeds) for k in at])
+            compiled = kernel(("smooth", count, self.joints), 3 * count, 4 + count, self._joint_instant)
+            problem.add_term(self.name, compiled, np.hstack([q[before], q[at], q[after]]), parameters)
+        speeds = [np.zeros(6) if e is None else e.base_velocity for e in ends]
+        parameters = np.array([np.append(self._parameters(trajectory, k, *speeds), grid.step) for k in at])
+        compiled = kernel(("smooth_base", self.position, self.rotation), 18, 13, self._base_instant)
+        base = trajectory.base
+        problem.add_term(self.name, compiled, np.hstack([base[before], base[at], base[after]]), parameters)
+
+    @staticmethod
+    def _parameters(trajectory: Trajectory, k: int, start: Array, end: Array) -> Array:
+        grid = trajectory.grid
+        coefficients, _, _ = grid.acceleration(k)
+        seconds = grid.dt * (1.0 if grid.cyclic or 0 < k < grid.samples - 1 else 0.5)
+        return np.concatenate([[seconds], coefficients, grid.end_velocity_terms(k, start, end)])
+
+    def _joint_instant(self, v: Any, p: Any) -> Any:
+        import casadi as ca
+
+        n = v.shape[0] // 3
+        return self.joints * p[0] * ca.sumsqr(p[1] * v[:n] + p[2] * v[n : 2 * n] + p[3] * v[2 * n :] + p[4:])
+
+    def _base_instant(self, v: Any, p: Any) -> Any:
+        import casadi as ca
+
+        frame = p[10:13]
+        before = ca.vertcat(carried_back(v[:3], frame), v[3:6])
+        after = ca.vertcat(carried(v[12:15], frame), v[15:18])
+        acceleration = p[1] * before + p[2] * v[6:12] + p[3] * after + p[4:10]
+        return p[0] * (self.position * ca.sumsqr(acceleration[:3]) + self.rotation * ca.sumsqr(acceleration[3:]))

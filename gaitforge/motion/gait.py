@@ -1,0 +1,110 @@
+"""Cyclic gaits from a footfall pattern and a command."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.refine import solve_refined
+from gaitforge.motion.segment import Segment
+from gaitforge.motion.trajectory import Discretisation, Guess, planar_motion
+from gaitforge.robot.model import RobotModel
+from gaitforge.task.roles import Held, Role
+
+Array = NDArray[np.float64]
+
+
+def plan_gait(
+    robot: RobotModel,
+    pattern: FootfallPattern,
+    *,
+    speed: float | None = None,
+    heading: float = 0.0,
+    yaw_rate: float = 0.0,
+    duration: float | None = None,
+    samples_per_column: int | None = None,
+    roles: Mapping[str, Role] | None = None,
+    postures: Mapping[str, Array] | None = None,
+    step_height: float | None = None,
+    name: str = "gait",
+    options: MotionOptions | None = None,
+) -> MotionPlan:
+    """A periodic motion plan P for the pattern.
+
+    `speed` [m/s], `heading` [rad] of the velocity in the body frame, `yaw_rate` [rad/s], `duration`
+    [s] of one cycle; None takes the robot's nominal value.  `roles`: limb or tool name → what a limb
+    that does not walk is for; `postures`: limb name → its joint positions (n,) [rad] (the mean
+    posture of a tool limb, or where a failed limb is locked), the held posture by default.
+    Raises `InputError` for unknown limbs, `InfeasibleMotion` with a geometric certificate, and
+    `UnsolvedError` when the optimiser finds no plan, saying which family, limb and sample resist.
+    """
+    from gaitforge.motion.limits import refuse_impossible_speed
+
+    options = options or MotionOptions()
+    if step_height is not None:
+        options = replace(options, step_height=step_height)
+    nominal = robot.nominal
+    command = Command(nominal.speed if speed is None else speed, heading, yaw_rate)
+    seconds = nominal.duration if duration is None else duration
+    grid = Discretisation(pattern, samples_per_column or options.samples_per_column, seconds, command)
+    refuse_impossible_speed(robot, grid)
+    walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
+    named = {robot.limb(limb).name: role for limb, role in (roles or {}).items()}
+    fixed = resting_joints(robot, walking, named, postures or {})
+    segment = Segment(name, "gait", robot, grid, walking, fixed, _guess(robot, grid, fixed), named)
+    return solve_refined(segment, options)
+
+
+def resting_joints(
+    robot: RobotModel, walking: tuple[int, ...], roles: Mapping[str, Role], postures: Mapping[str, Array]
+) -> Array:
+    """(n_J,) nominal posture for limbs that walk, what they keep for the others."""
+    joints = np.array(robot.nominal.posture, dtype=float)
+    for i, limb in enumerate(robot.limbs):
+        if i in walking:
+            continue
+        rows = robot.joint_indices(limb)
+        role = roles.get(limb.name)
+        joints[rows] = robot.nominal.held_posture[rows]
+        if isinstance(role, Held) and role.posture is not None:
+            joints[rows] = role.posture
+        if limb.name in postures:
+            joints[rows] = postures[limb.name]
+    return joints
+
+
+def _guess(robot: RobotModel, grid: Discretisation, joints: Array) -> Guess:
+    """Nominal posture, feet sweeping back through their nominal places while in stance."""
+    count = grid.samples
+    base = np.zeros((count, 6))
+    base[:, 2] = robot.nominal.body_height
+    feet = np.tile(robot.foot_positions(base[0], robot.nominal.posture), (count, 1, 1))
+    for i in range(feet.shape[1]):
+        late = _stance_progress(grid.contact[:, i])
+        for k in range(count):
+            x, y, _ = planar_motion(grid.command, -float(late[k]) * grid.dt)
+            feet[k, i, :2] += (x, y)
+    return Guess(base, np.tile(joints, (count, 1)), feet)
+
+
+def _stance_progress(held: NDArray[np.bool_]) -> Array:
+    """(N,) intervals since the middle of the stance phase; linear back to the front during swing."""
+    count = len(held)
+    progress = np.zeros(count)
+    if held.all() or not held.any():
+        return progress
+    lands = [k for k in range(count) if held[k] and not held[k - 1]]
+    for start in lands:
+        length = next(n for n in range(1, count + 1) if not held[(start + n) % count])
+        swing = next(n for n in range(1, count + 1) if held[(start + length + n) % count])
+        for n in range(length + 1):
+            progress[(start + n) % count] = n - length / 2
+        for n in range(1, swing):
+            progress[(start + length + n) % count] = length / 2 - length * n / swing
+    return progress

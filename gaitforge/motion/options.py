@@ -1,0 +1,47 @@
+"""`MotionOptions`: everything about motion planning that a user may set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from gaitforge.motion.costs.body import Body
+from gaitforge.motion.costs.posture import Posture
+from gaitforge.motion.costs.sharing import Sharing
+from gaitforge.motion.costs.smoothness import Smoothness
+from gaitforge.motion.solvers.ipopt import Ipopt
+from gaitforge.motion.solvers.solution import MotionSolver
+
+
+@dataclass(frozen=True)
+class MotionOptions:
+    """Parameters of the motion problem; see conf/motion/default.yaml."""
+
+    samples_per_column: int = 2
+    """r; two keep what the samples promise between samples"""
+    step_height: float | None = None
+    """[m]; None: the robot's own"""
+    stability_share: float = 0.3
+    """The CoP stays in the support polygon shrunk by this share towards its centroid."""
+    progress_share: float = 0.98
+    """A transition covers at least this share of the commanded travel."""
+    tilt_limit: float = 0.15
+    """[rad] roll and pitch"""
+    height_range: float = 0.04
+    """[m] body height, up and down from the nominal"""
+    joint_margin: float = 0.02
+    """[rad] kept from joint position limits"""
+    clearance: float = 0.004
+    """[m] kept between bodies of different limbs"""
+    speed_share: float = 0.9
+    """Share of a joint's speed limit that the spline may use."""
+    stand_seconds: float = 1.0
+    """[s] to start from a stand or to stop"""
+    refinements: int = 4
+    """How often a plan is refined when its spline misses a bound between samples."""
+    smoothness: Smoothness = field(default_factory=Smoothness)
+    posture: Posture = field(default_factory=Posture)
+    body: Body = field(default_factory=Body)
+    sharing: Sharing = field(default_factory=Sharing)
+    swing_weight: float = 100.0
+    """per m² s, pull of swinging feet to the smooth height profile"""
+    solver: MotionSolver = field(default_factory=Ipopt)

@@ -1,0 +1,206 @@
+r"""A sparse nonlinear program put together from many copies of small functions.
+
+    minimise  Σ_t Σ_i f_t(v_ti, p_ti)   subject to   l ≤ Σ_t scatter(r_t(v_ti, p_ti)) ≤ u,  lx ≤ x ≤ ux
+
+Every *term* t is one small function of a few variables (one limb at one sample, say), compiled once,
+and instantiated at many places i; its rows add up where instances name the same row.  Values,
+gradients and exact Hessians of the whole are constant sparse matrices times the mapped outputs of
+these functions, so nothing large is ever differentiated, and a problem is ready in milliseconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Builder = Callable[[Any, Any], Any]
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A small function r(v, p) with its Jacobian's nonzeros and the Hessian's of λ·r, ready to map."""
+
+    value: Any
+    first: Any
+    """(v, p) → r and the nonzeros of ∂r/∂v"""
+    second: Any
+    """(v, p, λ) → the nonzeros of the upper triangle of ∇² λ·r"""
+    jacobian_rc: tuple[Index, Index]
+    hessian_rc: tuple[Index, Index]
+    sizes: tuple[int, int, int]
+    """(variables, parameters, rows)"""
+
+
+_kernels: dict[Any, Kernel] = {}
+
+
+def kernel(key: Any, variables: int, parameters: int, build: Builder) -> Kernel:
+    """Compile `build(v, p)` (CasADi SX column vectors in and out), once per key and process."""
+    full = (key, variables, parameters)
+    if full not in _kernels:
+        _kernels[full] = _compile(variables, parameters, build)
+    return _kernels[full]
+
+
+def _compile(variables: int, parameters: int, build: Builder) -> Kernel:
+    import casadi as ca
+
+    v, p = ca.SX.sym("v", variables), ca.SX.sym("p", parameters)
+    r = ca.densify(build(v, p))
+    jacobian = ca.jacobian(r, v)
+    multiplier = ca.SX.sym("m", r.shape[0])
+    hessian = ca.triu(ca.hessian(ca.dot(multiplier, r), v)[0])
+    return Kernel(
+        value=ca.Function("value", [v, p], [r]),
+        first=ca.Function("first", [v, p], [r, _nonzeros(jacobian)]),
+        second=ca.Function("second", [v, p, multiplier], [_nonzeros(hessian)]),
+        jacobian_rc=_triplets(jacobian),
+        hessian_rc=_triplets(hessian),
+        sizes=(variables, parameters, int(r.shape[0])),
+    )
+
+
+def _nonzeros(matrix: Any) -> Any:
+    import casadi as ca
+
+    return ca.vertcat(*matrix.nonzeros()) if matrix.nnz() else ca.SX.zeros(0, 1)
+
+
+def _triplets(matrix: Any) -> tuple[Index, Index]:
+    rows, columns = matrix.sparsity().get_triplet()
+    return np.array(rows, dtype=np.intp), np.array(columns, dtype=np.intp)
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """One kernel at many places."""
+
+    family: str
+    kernel: Kernel
+    variables: Index
+    """(instances, kernel variables) indices into the full variable vector"""
+    parameters: Array
+    """(instances, kernel parameters)"""
+    rows: Index | None
+    """(instances, kernel rows) constraint rows to add to; None: a cost"""
+
+
+@dataclass
+class Rows:
+    """A block of constraint rows of one family, with what each row speaks of."""
+
+    family: str
+    start: int
+    lower: Array
+    upper: Array
+    unit: str
+    labels: tuple[Any, ...]
+
+
+@dataclass
+class Problem:
+    """Variables, rows and terms; filled by the families, solved by a solver, asked by explanations."""
+
+    guess: list[Array] = field(default_factory=list)
+    lower: list[Array] = field(default_factory=list)
+    upper: list[Array] = field(default_factory=list)
+    rows: list[Rows] = field(default_factory=list)
+    terms: list[Term] = field(default_factory=list)
+    size: int = 0
+    row_count: int = 0
+
+    def add_variables(self, guess: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> Index:
+        """New variables in the shape of `guess`; where lower equals upper they are constants."""
+        start = np.array(guess, dtype=float)
+        self.guess.append(start.ravel())
+        self.lower.append(np.broadcast_to(np.asarray(lower, dtype=float), start.shape).ravel().copy())
+        self.upper.append(np.broadcast_to(np.asarray(upper, dtype=float), start.shape).ravel().copy())
+        index = np.arange(self.size, self.size + start.size, dtype=np.intp).reshape(start.shape)
+        self.size += start.size
+        return index
+
+    def add_rows(
+        self, family: str, lower: ArrayLike, upper: ArrayLike, shape: tuple[int, ...], unit: str, labels: Sequence[Any]
+    ) -> Index:
+        """New constraint rows; `labels` has one entry per first index of `shape`."""
+        count = int(np.prod(shape))
+        low = np.broadcast_to(np.asarray(lower, dtype=float), shape).ravel().copy()
+        high = np.broadcast_to(np.asarray(upper, dtype=float), shape).ravel().copy()
+        spread = tuple(np.repeat(np.arange(len(labels)), count // max(len(labels), 1)))
+        self.rows.append(Rows(family, self.row_count, low, high, unit, tuple(labels[i] for i in spread)))
+        index = np.arange(self.row_count, self.row_count + count, dtype=np.intp).reshape(shape)
+        self.row_count += count
+        return index
+
+    def add_term(
+        self,
+        family: str,
+        compiled: Kernel,
+        variables: ArrayLike,
+        parameters: ArrayLike,
+        rows: ArrayLike | None = None,
+    ) -> None:
+        """Instances of a kernel: (n, nv) variables, (n, np) parameters, (n, nr) rows or None for a cost."""
+        v = np.asarray(variables, dtype=np.intp).reshape(-1, compiled.sizes[0])
+        p = np.broadcast_to(np.asarray(parameters, dtype=float), (len(v), compiled.sizes[1]))
+        r = None if rows is None else np.asarray(rows, dtype=np.intp).reshape(len(v), compiled.sizes[2])
+        if len(v):
+            self.terms.append(Term(family, compiled, v, np.array(p), r))
+
+    # -- vectors ---------------------------------------------------------------------------
+    @property
+    def x0(self) -> Array:
+        """(size,) the starting point."""
+        return np.concatenate(self.guess)
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """(size,) lower and upper bounds of the variables."""
+        return np.concatenate(self.lower), np.concatenate(self.upper)
+
+    @property
+    def row_bounds(self) -> tuple[Array, Array]:
+        """(row_count,) lower and upper bounds of the rows."""
+        empty = [np.zeros(0)]
+        return np.concatenate(empty + [r.lower for r in self.rows]), np.concatenate(empty + [r.upper for r in self.rows])
+
+    def constraint_values(self, x: Array) -> Array:
+        """(row_count,) the rows at x, without any solver."""
+        values = np.zeros(self.row_count)
+        for term in self.terms:
+            if term.rows is not None:
+                out = term.kernel.value.map(len(term.variables))(x[term.variables].T, term.parameters.T)
+                np.add.at(values, term.rows, np.array(out).T)
+        return values
+
+    def violations(self, x: Array) -> dict[str, tuple[float, Any, str]]:
+        """Per family: the largest violation, the label of its row, the unit."""
+        values, worst = self.constraint_values(x), {}
+        for block in self.rows:
+            part = values[block.start : block.start + len(block.lower)]
+            excess = np.maximum(block.lower - part, part - block.upper)
+            if len(excess) and excess.max() > worst.get(block.family, (-np.inf,))[0]:
+                at = int(excess.argmax())
+                worst[block.family] = (float(excess[at]), block.labels[at], block.unit)
+        low, high = self.bounds
+        outside = np.maximum(low - x, x - high)
+        if len(outside):
+            worst["bounds"] = (float(outside.max()), int(outside.argmax()), "")
+        return worst
+
+    def table(self) -> list[tuple[str, str, int, int]]:
+        """(family, kind, rows, instances) of every family, for people."""
+        entries: dict[tuple[str, str], list[int]] = {}
+        for term in self.terms:
+            kind = "cost" if term.rows is None else "constraint"
+            entry = entries.setdefault((term.family, kind), [0, 0])
+            entry[1] += len(term.variables)
+        for block in self.rows:
+            entries.setdefault((block.family, "constraint"), [0, 0])[0] += len(block.lower)
+        return [(family, kind, rows, places) for (family, kind), (rows, places) in entries.items()]

@@ -1,0 +1,138 @@
+"""One segment from its discretisation to a solved plan: the engine under gaits, transitions and stands."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.motion.constraints.balance import Balance
+from gaitforge.motion.constraints.kinematics import Kinematics
+from gaitforge.motion.constraints.progress import Progress
+from gaitforge.motion.constraints.rolling import Rolling
+from gaitforge.motion.costs.swing import SwingProfile
+from gaitforge.motion.family import Family
+from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.plan import Kind, MotionPlan, SolveReport
+from gaitforge.motion.problem import Problem
+from gaitforge.motion.solvers.solution import Solution
+from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, lay_out, planar_motion
+from gaitforge.robot.model import RobotModel
+from gaitforge.task.roles import Role
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """What is to be planned: robot, grid, who moves, where to start looking."""
+
+    name: str
+    kind: Kind
+    robot: RobotModel
+    grid: Discretisation
+    moving: tuple[int, ...]
+    fixed_joints: Array
+    guess: Guess
+    roles: Mapping[str, Role]
+
+    def build(self, options: MotionOptions, extra: Sequence[Family] = ()) -> tuple[Problem, Trajectory]:
+        """The motion problem with all families, `extra` ones last."""
+        problem = Problem()
+        height = self.robot.nominal.step_height if options.step_height is None else options.step_height
+        trajectory = lay_out(
+            problem,
+            self.robot,
+            self.grid,
+            self.moving,
+            self.fixed_joints,
+            self.guess,
+            step_height=height,
+            minimum_weight=options.stability_share,
+            tilt=options.tilt_limit,
+            height_range=options.height_range,
+            joint_margin=options.joint_margin,
+        )
+        families: list[Family] = [
+            Kinematics(),
+            Rolling(),
+            Balance(),
+            Progress(share=options.progress_share),
+            options.smoothness,
+            options.posture,
+            options.body,
+            options.sharing,
+            SwingProfile(weight=options.swing_weight, step_height=height),
+            *extra,
+        ]
+        for family in families:
+            family.add_to(problem, trajectory)
+        return problem, trajectory
+
+    def solve(
+        self, options: MotionOptions, extra: Sequence[Family] = (), start: Array | None = None
+    ) -> tuple[Solution, MotionPlan]:
+        """Build and solve; the plan is returned whether solved or not, the solution says which."""
+        begin = time.perf_counter()
+        problem, trajectory = self.build(options, extra)
+        solution = options.solver.solve(problem, start)
+        return solution, self._plan(trajectory, solution, time.perf_counter() - begin)
+
+    def _plan(self, trajectory: Trajectory, solution: Solution, seconds: float) -> MotionPlan:
+        grid, x = self.grid, solution.x
+        joints = np.tile(self.fixed_joints, (grid.samples, 1))
+        for i, index in trajectory.joints.items():
+            joints[:, self.robot.joint_indices(self.robot.limbs[i])] = x[index]
+        base = x[trajectory.base]
+        if grid.cyclic:
+            joints, base = np.vstack([joints, joints[:1]]), self._in_world(np.vstack([base, base[:1]]))
+        poses = zip(base, joints, strict=True)
+        feet = np.array([self.robot.foot_positions(b, q) for b, q in poses])
+        com = np.array([self.robot.center_of_mass(b, q) for b, q in zip(base, joints, strict=True)])
+        ends = (grid.start, grid.end)
+        speeds = None if grid.cyclic else np.array([e.joint_velocity for e in ends if e is not None])
+        base_speeds = None if grid.cyclic else np.array([e.base_velocity for e in ends if e is not None])
+        return MotionPlan(
+            name=self.name,
+            kind=self.kind,
+            pattern=grid.pattern,
+            times=np.arange(grid.intervals + 1) * grid.dt,
+            joint_positions=joints.T.copy(),
+            base_poses=base,
+            com=com,
+            feet=feet,
+            weights=_weights(trajectory, x),
+            command=grid.command,
+            roles=dict(self.roles),
+            joint_velocity_ends=speeds,
+            base_velocity_ends=base_speeds,
+            report=SolveReport(
+                solution.status, solution.iterations, seconds, solution.cost, solution.residual, solution.worst
+            ),
+        )
+
+    def _in_world(self, base: Array) -> Array:
+        """Base poses in the moving frame, in the frame of the segment's start."""
+        poses = np.array(base)
+        for k in range(len(poses)):
+            x, y, yaw = planar_motion(self.grid.command, k * self.grid.dt)
+            c, s = np.cos(yaw), np.sin(yaw)
+            poses[k, :2] = x + c * base[k, 0] - s * base[k, 1], y + s * base[k, 0] + c * base[k, 1]
+            poses[k, 5] += yaw
+        return poses
+
+
+def _weights(trajectory: Trajectory, x: Array) -> Array:
+    grid = trajectory.grid
+    weights = np.zeros((grid.intervals + 1, 2, grid.contact.shape[1]))
+    for k, feet, index in trajectory.weights:
+        for side, interval in ((0, k - 1), (1, k)):
+            inside = grid.cyclic or 0 <= interval < grid.intervals
+            if inside and tuple(np.flatnonzero(grid.contact[interval % grid.intervals])) == feet:
+                weights[k, side, list(feet)] = x[index] / x[index].sum()
+    if grid.cyclic:
+        weights[-1] = weights[0]
+    return weights

@@ -1,0 +1,39 @@
+"""What every solver returns, and what it has to offer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.motion.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """A point, and whether it is a good one."""
+
+    x: Array
+    """(size,) all variables of the problem, constants included"""
+    solved: bool
+    status: str
+    iterations: int
+    seconds: float
+    """[s] building derivatives and solving"""
+    cost: float
+    residual: float
+    """Largest violation of a row or bound."""
+    worst: dict[str, tuple[float, Any, str]] = field(default_factory=dict)
+    """Per family the largest violation, where, and its unit."""
+
+
+class MotionSolver(Protocol):
+    """`motion/solver=…`"""
+
+    def solve(self, problem: Problem, start: Array | None = None) -> Solution:
+        """Solve from `start` (the problem's own guess when None)."""
+        ...

@@ -1,0 +1,72 @@
+"""Stands: from rest into a gait, and from a gait to rest, on all feet that walk."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.refine import solve_refined
+from gaitforge.motion.segment import Segment
+from gaitforge.motion.state import gait_state, rest_state
+from gaitforge.motion.trajectory import Discretisation, Guess
+from gaitforge.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+COLUMNS = 4
+
+
+def plan_start(
+    robot: RobotModel, gait: MotionPlan, *, name: str = "start", options: MotionOptions | None = None
+) -> MotionPlan:
+    """From rest into the first sample of a gait; feet that the gait begins in the air are lifted at the end."""
+    return _plan(robot, gait, name, options or MotionOptions(), starting=True)
+
+
+def plan_stop(
+    robot: RobotModel, gait: MotionPlan, *, name: str = "stop", options: MotionOptions | None = None
+) -> MotionPlan:
+    """From the end of a gait's cycle to rest; feet that are then in the air are put down first."""
+    return _plan(robot, gait, name, options or MotionOptions(), starting=False)
+
+
+def _plan(robot: RobotModel, gait: MotionPlan, name: str, options: MotionOptions, starting: bool) -> MotionPlan:
+    seconds = options.stand_seconds
+    moving = gait_state(robot, gait)
+    heading = np.array([np.cos(gait.command.heading), np.sin(gait.command.heading)])
+    away = 0.5 * gait.command.speed * seconds * heading * (-1.0 if starting else 1.0)
+    base = moving.base.copy()
+    base[:2] += away
+    rest = rest_state(robot, moving.joints, base)
+    pattern = _pattern(gait, starting)
+    command = Command(0.0, gait.command.heading, 0.0)
+    start, end = (rest, moving) if starting else (moving, rest)
+    grid = Discretisation(pattern, options.samples_per_column, seconds, command, start, end)
+    share = np.linspace(0.0, 1.0, grid.samples)[:, None]
+    curve = share**2 if starting else 2 * share - share**2
+    poses = start.base + curve * (end.base - start.base)
+    feet = np.tile(robot.foot_positions(moving.base, moving.joints), (grid.samples, 1, 1))
+    for i, limb in enumerate(robot.limbs):
+        feet[grid.ground[:, i], i, 2] = limb.foot.radius
+    guess = Guess(poses, np.tile(moving.joints, (grid.samples, 1)), feet)
+    walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
+    segment = Segment(name, "stand", robot, grid, walking, moving.joints, guess, dict(gait.roles))
+    return solve_refined(segment, replace(options, step_height=_low_steps(robot, options)))
+
+
+def _low_steps(robot: RobotModel, options: MotionOptions) -> float:
+    """Feet lifted into a gait's first sample need not go as high as a step."""
+    return 0.3 * (robot.nominal.step_height if options.step_height is None else options.step_height)
+
+
+def _pattern(gait: MotionPlan, starting: bool) -> FootfallPattern:
+    """All walking limbs in stance, but for those in the air at the gait's seam."""
+    contact = np.tile(gait.pattern.contact.any(axis=1)[:, None], (1, COLUMNS))
+    airborne = ~(gait.pattern.contact[:, 0] | gait.pattern.contact[:, -1]) & contact[:, 0]
+    edge = slice(-2, None) if starting else slice(0, 2)
+    contact[airborne, edge] = False
+    return FootfallPattern(contact, gait.pattern.limbs, cyclic=False)

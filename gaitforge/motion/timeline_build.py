@@ -1,0 +1,131 @@
+"""Segments laid one after the other in the world, and tool limbs aimed along the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from gaitforge.errors import InputError, Problem
+from gaitforge.motion.aim import aim_joints
+from gaitforge.motion.plan import MotionPlan, carry
+from gaitforge.motion.timeline import Aim, Entry, Timeline, place
+from gaitforge.robot.limbs import Limb
+from gaitforge.robot.model import RobotModel
+from gaitforge.task.roles import Tool
+from gaitforge.task.scene import Scene
+
+Array = NDArray[np.float64]
+KNOT_S = 1 / 60
+"""[s] between the knots of an aimed joint's spline"""
+
+
+def build_timeline(
+    robot: RobotModel, segments: Sequence[tuple[MotionPlan, int]], scene: Scene | None = None
+) -> Timeline:
+    """Each (plan, cycles) begins where the one before ended; world-frame tool targets are followed.
+
+    The rows of a tool limb that looks at a fixed point are recomputed from the planned base pose,
+    from the end of the segment before its first gait on; in that segment, once the limb is off the
+    ground for good, they are blended in.  Raises `InputError` for targets that do not exist.
+    """
+    entries: list[Entry] = []
+    start, origin = 0.0, np.zeros(3)
+    for plan, cycles in segments:
+        if entries:
+            origin = _origin(plan, _last_pose(entries[-1]))
+        entries.append(Entry(plan, cycles, start, origin))
+        start = entries[-1].end
+    plain = Timeline(robot, tuple(entries))
+    aims = _aims(robot, plain, scene or Scene())
+    overrides = [piece for aim, run in aims for piece in _override(robot, plain, aim, run)]
+    return Timeline(robot, tuple(entries), tuple(aim for aim, _ in aims), tuple(overrides))
+
+
+def _last_pose(entry: Entry) -> Array:
+    """(6,) where the base is in the world when an entry ends."""
+    plan = entry.plan
+    end = carry(plan.base_poses[-1:], plan.base_poses[0], plan.base_poses[-1], entry.cycles - 1)
+    return np.asarray(place(end, entry.origin)[0])
+
+
+def _origin(plan: MotionPlan, pose: Array) -> Array:
+    """(3,) x, y, yaw of the frame in which the plan's first base pose is `pose` in the plane."""
+    first = plan.base_poses[0]
+    yaw = pose[5] - first[5]
+    c, s = np.cos(yaw), np.sin(yaw)
+    x = pose[0] - (c * first[0] - s * first[1])
+    y = pose[1] - (s * first[0] + c * first[1])
+    return np.array([x, y, yaw])
+
+
+def tool_target(role: Tool, scene: Scene) -> Array:
+    """(3,) the point a tool role looks at, names resolved through the scene; InputError when there is none."""
+    if not isinstance(role.look_at, str):
+        return np.array(role.look_at)
+    try:
+        return scene.point(role.look_at)
+    except KeyError:
+        expected = "one of " + ", ".join(scene.point_names()) if scene.point_names() else "a point [m]"
+        raise InputError(Problem("task", "look_at", repr(role.look_at), expected)) from None
+
+
+def _aims(robot: RobotModel, timeline: Timeline, scene: Scene) -> list[tuple[Aim, tuple[int, int]]]:
+    """Runs of entries in which one limb keeps looking at one world point, and the entries they span."""
+    found = []
+    for limb in robot.limbs:
+        tool = robot.tool(limb.name)
+        roles = [e.plan.roles.get(limb.name) for e in timeline.entries]
+        index = 0
+        while index < len(roles):
+            role, first = roles[index], index
+            while index < len(roles) and roles[index] == role:
+                index += 1
+            if tool is None or not isinstance(role, Tool) or role.frame != "world":
+                continue
+            walks = [bool(timeline.entries[i].plan.pattern.row(limb.name).any()) for i in range(first, index)]
+            settled = next((first + i for i, walking in enumerate(walks) if not walking), None)
+            if settled is None:
+                continue
+            begin, end = timeline.entries[settled].start, timeline.entries[index - 1].end
+            found.append((Aim(limb.name, tool.name, tool_target(role, scene), begin, end), (settled, index)))
+    return found
+
+
+def _override(
+    robot: RobotModel, timeline: Timeline, aim: Aim, run: tuple[int, int]
+) -> list[tuple[int, CubicSpline, float, float]]:
+    """(joint row, spline, start, end) of an aimed limb: blended in during the segment before, then on target."""
+    limb, tool = robot.limb(aim.limb), next(t for t in robot.tools if t.name == aim.tool)
+    rows = robot.joint_indices(limb)
+    begin = _free_from(timeline, run[0], limb)
+    times = np.linspace(begin, aim.end, max(8, int(np.ceil((aim.end - begin) / KNOT_S)) + 1))
+    plan = timeline.sample(times)
+    posture = plan.joint_positions[-1, rows]
+    aimed = aim_joints(robot, limb, tool, plan.base_poses, aim.target, posture)
+    share = np.clip((times - begin) / max(aim.start - begin, 1e-9), 0.0, 1.0) if begin < aim.start else np.ones_like(times)
+    blend = (share**3 * (10 - 15 * share + 6 * share**2))[:, None]
+    values = plan.joint_positions[:, rows] + blend * (aimed - plan.joint_positions[:, rows])
+    first = timeline.sample([begin]).joint_velocities[0, rows]
+    pieces = []
+    for column, row in enumerate(rows):
+        ends = ((1, first[column]), "not-a-knot") if begin < aim.start else "not-a-knot"
+        spline = CubicSpline(times, values[:, column], bc_type=ends)
+        pieces.append((int(row), spline, begin, aim.end))
+    return pieces
+
+
+def _free_from(timeline: Timeline, settled: int, limb: Limb) -> float:
+    """When the limb has left the ground for good before entry `settled` [s]; that entry's start when there is none."""
+    start = timeline.entries[settled].start
+    if settled == 0:
+        return start
+    before = timeline.entries[settled - 1]
+    row = before.plan.pattern.row(limb.name)
+    if before.plan.kind == "gait" or row[-1]:
+        return start
+    columns = before.plan.pattern.columns
+    lifted = columns - int(np.argmax(row[::-1])) if row.any() else 0
+    return before.end - before.plan.duration * (1 - lifted / columns)

@@ -1,0 +1,178 @@
+"""Kinematics of one limb in CasADi, from the placements and axes of the Pinocchio model.
+
+The limb is the unit: its forward kinematics depends on the base pose and its own joints alone, so
+one small function per number of joints, with the limb's geometry as a parameter vector, mapped over
+limbs and samples, is all the symbolic kinematics there is.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.errors import InputError, Problem
+from gaitforge.robot.limbs import Limb
+from gaitforge.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+JOINT_PARAMETERS = 19
+"""Per joint: rotation (9, column-major), translation (3), axis (3), mass (1), first moment (3)."""
+
+
+class LimbState(NamedTuple):
+    """Symbolic (or numeric) outcome of a limb's forward kinematics in the base frame."""
+
+    foot: Any
+    """(3,) centre of the foot sphere [m]"""
+    rotation: Any
+    """(3, 3) orientation of the foot link"""
+    moment: Any
+    """(3,) Σ mass · centre of mass of the limb's bodies [kg m]"""
+    origins: list[Any]
+    """(3,) each joint's origin [m]"""
+    turns: list[Any]
+    """(3, 3) orientation of each joint's body"""
+
+
+def parameter_size(joints: int) -> int:
+    """Length of a limb's parameter vector."""
+    return JOINT_PARAMETERS * joints + 3
+
+
+@lru_cache(maxsize=None)
+def _rodrigues() -> Any:
+    import casadi as ca
+
+    axis, angle = ca.SX.sym("axis", 3), ca.SX.sym("angle")
+    c, s = ca.cos(angle), ca.sin(angle)
+    rotation = c * ca.SX.eye(3) + (1 - c) * axis @ axis.T + s * ca.skew(axis)
+    return ca.Function("rodrigues", [axis, angle], [rotation])
+
+
+def rpy_rotation(rpy: Any) -> Any:
+    """Rz(yaw) Ry(pitch) Rx(roll) of a symbolic (3,) roll, pitch, yaw."""
+    import casadi as ca
+
+    cr, sr, cp, sp, cy, sy = (f(rpy[i]) for i in range(3) for f in (ca.cos, ca.sin))
+    return ca.vertcat(
+        ca.horzcat(cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        ca.horzcat(sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        ca.horzcat(-sp, cp * sr, cp * cr),
+    )
+
+
+def limb_forward(joints: Any, parameters: Any) -> LimbState:
+    """Forward kinematics of a limb in the base frame; `joints` (n,), `parameters` by `limb_parameters`."""
+    import casadi as ca
+
+    count = joints.shape[0]
+    rotation: Any = ca.SX.eye(3)
+    position: Any = ca.SX.zeros(3)
+    moment: Any = ca.SX.zeros(3)
+    origins, turns = [], []
+    for i in range(count):
+        p = parameters[JOINT_PARAMETERS * i : JOINT_PARAMETERS * (i + 1)]
+        position = position + rotation @ p[9:12]
+        rotation = rotation @ ca.reshape(p[:9], 3, 3) @ _rodrigues()(p[12:15], joints[i])
+        moment = moment + p[15] * position + rotation @ p[16:19]
+        origins.append(position)
+        turns.append(rotation)
+    foot = position + rotation @ parameters[JOINT_PARAMETERS * count :]
+    return LimbState(foot, rotation, moment, origins, turns)
+
+
+def limb_parameters(robot: RobotModel, limb: Limb) -> Array:
+    """(19 n + 3,) the geometry and masses of a limb; tool joints are taken at their nominal position."""
+    import pinocchio
+
+    model, parts, parent = robot.pin, [], 1
+    for name in limb.joints:
+        index = model.getJointId(name)
+        if model.parents[index] != parent:
+            raise InputError(
+                Problem(robot.name, name, f"a joint on {model.names[model.parents[index]]}", "a chain from the base")
+            )
+        axis = _axis(robot, name)
+        mass, moment = _body(robot, index, limb)
+        placement = model.jointPlacements[index]
+        rotation = placement.rotation.reshape(9, order="F")
+        parts.append(np.concatenate([rotation, placement.translation, axis, [mass], moment]))
+        parent = index
+    frame = model.frames[model.getFrameId(limb.foot.link, pinocchio.FrameType.BODY)]
+    if frame.parentJoint != parent:
+        raise InputError(Problem(robot.name, limb.foot.link, "a foot that the last joint does not move", "the tip"))
+    parts.append(frame.placement.act(np.array(limb.foot.offset)))
+    return np.concatenate(parts)
+
+
+def _axis(robot: RobotModel, name: str) -> Array:
+    joint = robot.pin.joints[robot.pin.getJointId(name)]
+    data = joint.createData()
+    joint.calc(data, np.zeros(joint.nq), np.zeros(joint.nv))
+    subspace = np.asarray(data.S).reshape(6, -1)
+    if subspace.shape[1] != 1 or np.abs(subspace[:3]).max() > 1e-12:
+        raise InputError(Problem(robot.name, name, f"a {joint.shortname()}", "a revolute joint with limits"))
+    return np.array(subspace[3:, 0])
+
+
+def _body(robot: RobotModel, index: int, limb: Limb) -> tuple[float, Array]:
+    """Mass and first moment of the body of a joint, tool bodies that hang on it included."""
+    inertia = robot.pin.inertias[index]
+    mass, moment = float(inertia.mass), inertia.mass * np.asarray(inertia.lever)
+    for name in limb.tool_joints:
+        child = robot.pin.getJointId(name)
+        if robot.pin.parents[child] == index:
+            angle = float(robot.nominal.posture[robot.joint_names.index(name)])
+            placement = robot.pin.jointPlacements[child]
+            turn = np.asarray(_rodrigues()(_axis(robot, name), angle))
+            inner_mass, inner = _body(robot, child, limb)
+            mass += inner_mass
+            moment = moment + inner_mass * placement.translation + placement.rotation @ turn @ inner
+    return mass, moment
+
+
+def base_body(robot: RobotModel) -> tuple[float, Array]:
+    """Mass [kg] and first moment [kg m] of what is rigidly part of the base."""
+    inertia = robot.pin.inertias[1]
+    return float(inertia.mass), float(inertia.mass) * np.array(inertia.lever)
+
+
+@lru_cache(maxsize=None)
+def _numeric(joints: int) -> Any:
+    import casadi as ca
+
+    q, p = ca.SX.sym("q", joints), ca.SX.sym("p", parameter_size(joints))
+    state = limb_forward(q, p)
+    origins, turns = ca.horzcat(*state.origins), ca.horzcat(*state.turns)
+    return ca.Function("limb", [q, p], [state.foot, state.rotation, state.moment, origins, turns])
+
+
+class LimbPoses(NamedTuple):
+    """Numeric forward kinematics of a limb at n configurations, base frame."""
+
+    foot: Array
+    """(n, 3) [m]"""
+    rotation: Array
+    """(n, 3, 3)"""
+    moment: Array
+    """(n, 3) [kg m]"""
+    origins: Array
+    """(n, joints, 3) joint origins [m]"""
+    turns: Array
+    """(n, joints, 3, 3) orientation of each joint's body"""
+
+
+def evaluate_limb(joints: Array, parameters: Array) -> LimbPoses:
+    """Forward kinematics of one limb at (n, n_joints) joint positions."""
+    n, count = joints.shape
+    foot, rotation, moment, origins, turns = _numeric(count).map(n)(joints.T, np.tile(parameters[:, None], (1, n)))
+    return LimbPoses(
+        np.array(foot).T,
+        np.array(rotation).reshape(3, n, 3).transpose(1, 0, 2),
+        np.array(moment).T,
+        np.array(origins).reshape(3, n, count).transpose(1, 2, 0),
+        np.array(turns).reshape(3, n, count, 3).transpose(1, 2, 0, 3),
+    )
