@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from math import ceil
+from dataclasses import dataclass, replace
 from typing import Any
 
 from gaitforge.footfall.constraints import ColumnConstraint, ConstraintSet, LimbConstraint, StanceClause
@@ -20,16 +19,38 @@ class Clash:
     columns: tuple[int, ...]
     text: str
     """What clashes, in one sentence."""
-    advice: str
-    """What to change, in one sentence."""
+    reliefs: tuple[str, ...]
+    """What would help, each by itself."""
     proof: str
     """counting · core"""
     columns_needed: int | None = None
-    """The smallest number of columns for which there is a pattern, when more columns help."""
+    """The smallest number of columns for which there is a pattern, where more columns help."""
+    more_columns_help: bool = False
+    """Whether it is worth looking for such a number."""
+
+    @property
+    def advice(self) -> str:
+        """What to change, in one sentence."""
+        return sentence(", or ".join(self.reliefs)) + "."
 
     def as_dict(self) -> dict[str, Any]:
         """For `InfeasibleFootfall.explain` and ``summary.json``: plain lists, strings and numbers."""
-        return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items()}
+        return {
+            "families": list(self.families),
+            "limbs": list(self.limbs),
+            "columns": list(self.columns),
+            "text": self.text,
+            "advice": self.advice,
+            "proof": self.proof,
+            "columns_needed": self.columns_needed,
+        }
+
+
+def with_columns(clash: Clash, columns: int | None) -> Clash:
+    """The clash with the number of columns that would help, None when none was found."""
+    if columns is None:
+        return clash
+    return replace(clash, columns_needed=columns, reliefs=(f"use {columns} columns", *clash.reliefs))
 
 
 def counting_clash(problem: FootfallProblem, families: Sequence[ConstraintSet]) -> Clash | None:
@@ -57,7 +78,7 @@ def _too_few(problem: FootfallProblem, family: ColumnConstraint, clause: StanceC
     names = tuple(problem.limbs[i] for i in clause.limbs)
     asked = f"{clause.at_least} of the {family.who} in stance in every column"
     text = f"{family.name} asks for {asked}, but {_walking(names)}."
-    return Clash((family.name,), names, tuple(range(problem.columns)), text, f"{sentence(family.relief)}.", "counting")
+    return Clash((family.name,), names, tuple(range(problem.columns)), text, (family.relief,), "counting")
 
 
 def _no_time(
@@ -69,10 +90,15 @@ def _no_time(
         f"{family.name} asks for {clause.at_least} of the {family.who} in stance in each of {m} columns, "
         f"but {_walking(names)}: that leaves {spare * m} swing columns, and {duty.name} asks for {asked}."
     )
-    needed = ceil(asked / spare) if spare else None
-    reliefs = [f"use at least {needed} columns"] if needed else []
-    advice = " or ".join([*reliefs, family.relief, duty.relief])
-    return Clash((duty.name, family.name), names, tuple(range(m)), text, f"{sentence(advice)}.", "counting", needed)
+    return Clash(
+        (duty.name, family.name),
+        names,
+        tuple(range(m)),
+        text,
+        (family.relief, duty.relief),
+        "counting",
+        more_columns_help=spare > 0,
+    )
 
 
 def _walking(names: Sequence[str]) -> str:

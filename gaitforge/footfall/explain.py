@@ -11,7 +11,7 @@ from typing import Any
 
 from gaitforge.errors import InfeasibleFootfall
 from gaitforge.footfall.constraints import ConstraintSet
-from gaitforge.footfall.counting import Clash, counting_clash, sentence
+from gaitforge.footfall.counting import Clash, counting_clash, with_columns
 from gaitforge.footfall.model import build_program
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
@@ -52,12 +52,15 @@ def explain_infeasible(
 ) -> Clash:
     """The clash behind an infeasible problem: by counting where that is enough, else by removing families one by one.
 
-    Every set named is proven to clash; it is the smallest one as far as the time allows.
+    Every set named is proven to clash; it is the smallest one as far as the time allows.  Raises ValueError
+    for a problem that has a pattern.
     """
+    prover = _Prover(problem, tuple(families), solver, seed, time.perf_counter() + time_limit_s)
     found = counting_clash(problem, families)
     if found is not None:
-        return found
-    prover = _Prover(problem, tuple(families), solver, seed, time.perf_counter() + time_limit_s)
+        return with_columns(found, _columns_that_help(prover)) if found.more_columns_help else found
+    if solver.is_feasible(build_program(problem, families), time_limit_s, seed):
+        raise ValueError("the problem has a pattern: there is nothing to explain")
     names = _smallest_core(prover)
     rows = _concerned(prover, names)
     longer = _columns_that_help(prover)
@@ -137,8 +140,6 @@ def _described(
     text = (
         f"No {kind} of {problem.columns} columns: {shown} cannot hold together for {', '.join(limbs) or 'the limbs'}."
     )
-    reliefs = list(dict.fromkeys(meaning[name].relief for name in names))
-    if longer is not None:
-        reliefs.insert(0, f"use {longer} columns")
-    advice = sentence(" or ".join(reliefs) or "change the roles") + "."
-    return Clash(tuple(names) or (BACKGROUND,), limbs, rows[1], text, advice, "core", longer)
+    reliefs = tuple(dict.fromkeys(meaning[name].relief for name in names)) or ("change the roles",)
+    clash = Clash(tuple(names) or (BACKGROUND,), limbs, rows[1], text, reliefs, "core")
+    return with_columns(clash, longer)

@@ -47,9 +47,8 @@ def solve(problem: FootfallProblem, families: Sequence[ConstraintSet], options: 
     """
     start = time.perf_counter()
     check_problem(problem)
-    clash = counting_clash(problem, families)
-    if clash is not None:
-        raise infeasible_footfall(clash)
+    if counting_clash(problem, families) is not None:
+        raise infeasible_footfall(explain_infeasible(problem, families, options.solver, options.seed))
     program = build_program(problem, families)
     built = time.perf_counter() - start
     solution = _minimize(program, can_be_turned(problem, families), options)

@@ -21,7 +21,7 @@ class GapRule(ChangeConstraint):
     key: ClassVar[str] = "gap"
     title: ClassVar[str] = "gap between swings"
     equation: ClassVar[str] = "¬(C_aj ∧ ¬C_a,j+1 ∧ ¬C_bj ∧ C_b,j+1)  ∀ a ≠ b, j"
-    relief: ClassVar[str] = "use more columns, or switch the gap rule off (gap.up_to = 0)"
+    relief: ClassVar[str] = "switch the gap rule off (gap.up_to = 0)"
 
     up_to: int = 4
     """[limbs]"""

@@ -21,7 +21,7 @@ class Roles(LimbConstraint):
     key: ClassVar[str] = "roles"
     title: ClassVar[str] = "roles of the limbs"
     equation: ClassVar[str] = "C_ij = 0 while limb i is nonlocomotive;  Σ_j C_ij ≥ 1 in a gait"
-    relief: ClassVar[str] = "change the roles, or use more columns"
+    relief: ClassVar[str] = "change the roles"
 
     columns: int = 2
     """[columns]"""
@@ -66,7 +66,7 @@ class Boundary(LimbConstraint):
     key: ClassVar[str] = "boundary"
     title: ClassVar[str] = "boundary columns"
     equation: ClassVar[str] = "C_i0 = first_i,  C_i,m−1 = last_i  ∀ i"
-    relief: ClassVar[str] = "leave or enter the gaits at another column (from_column, to_column), or use more columns"
+    relief: ClassVar[str] = "leave or enter the gaits at another column (from_column, to_column)"
 
     def rules(self, problem: FootfallProblem) -> tuple[LimbRule, ...]:
         m, rules = problem.columns, []

@@ -15,6 +15,8 @@ from gaitforge.footfall.solvers.base import Listing, Solution, Status
 
 DRAWS = 12
 """Patterns drawn along random directions when there are too many to list."""
+DRAW_WORK = 0.01
+"""CP-SAT's deterministic time for one of them, about as many seconds."""
 
 
 @dataclass(frozen=True)
@@ -147,8 +149,9 @@ class CpSat:
             model.clear_objective()
             model.minimize(sum(int(w) * v for w, v in zip(weights, variables[:cells], strict=True)))
             solver = self._solver(deadline - time.perf_counter(), seed + draw, lean=True)
+            solver.parameters.max_deterministic_time = DRAW_WORK
             if solver.status_name(solver.solve(model)) not in ("OPTIMAL", "FEASIBLE"):
-                return
+                continue
             contact = _contact(program, solver, variables)
             found.setdefault(contact.tobytes(), contact)
 
