@@ -84,24 +84,21 @@ def _finish_sweep(jobs: list[JobOutcome], refused: list[tuple[str, Exception]]) 
     for overrides, error in refused:
         print(f"gaitforge: {overrides}: {input_error(error)}", file=sys.stderr)
     print(sweep_table(jobs, [overrides for overrides, _ in refused]))
-    return max([job.code for job in jobs] + [2 for _ in refused], key=_badness)
+    return worst([job.code for job in jobs] + [2 for _ in refused])
 
 
-def _badness(code: int) -> int:
-    """Worst last: an internal error is worse than bad input, that than a run without a verified result."""
-    return (0, 1, 5, 3, 2, 4).index(code)
+def worst(codes: Sequence[int]) -> int:
+    """The exit code of a sweep: internal error, bad input, infeasible, unsolved, unverified, verified."""
+    return max(codes, key=(0, 1, 5, 3, 2, 4).index, default=0)
 
 
 def _report(error: Exception, debug: bool) -> int:
-    from hydra.errors import HydraException
-    from omegaconf.errors import OmegaConfBaseException
-
-    from gaitforge.cli.compose_errors import input_error
+    from gaitforge.cli.compose_errors import input_error, is_input_error
     from gaitforge.errors import GaitforgeError
 
     if debug:
         traceback.print_exc()
-    if isinstance(error, HydraException | OmegaConfBaseException | OSError):
+    if is_input_error(error):
         error = input_error(error)
     if isinstance(error, GaitforgeError):
         print(f"gaitforge: {error}", file=sys.stderr)

@@ -11,6 +11,7 @@ from typing import Any
 
 from omegaconf import DictConfig
 
+from gaitforge.cli.compose_errors import input_error, is_input_error
 from gaitforge.errors import GaitforgeError, InputError
 
 Say = Callable[[str], None]
@@ -41,29 +42,21 @@ def run_job(node: DictConfig, allow: Sequence[str], *, say: Say, complain: Say) 
     robot = str(node.robot.name)
     try:
         return _run(node, allow, folder, task, say)
-    except GaitforgeError as error:
-        if isinstance(error, InputError):
-            discard(folder)
-        _complain(node, error, complain)
-        return JobOutcome(error.exit_code, error.status, robot, task, str(folder), message=str(error))
-    except OSError as error:
-        from gaitforge.cli.compose_errors import input_error
-
-        discard(folder)
-        _complain(node, input_error(error), complain)
-        return JobOutcome(2, "error", robot, task, str(folder), message=str(error))
     except Exception as error:
-        _complain(node, error, complain)
-        return JobOutcome(4, "error", robot, task, str(folder), message=f"{type(error).__name__}: {error}")
+        told = input_error(error) if is_input_error(error) else error
+        if isinstance(told, InputError):
+            discard(folder)
+        if node.debug:
+            complain(traceback.format_exc())
+        complain(f"gaitforge: {_words(told)}")
+        code = told.exit_code if isinstance(told, GaitforgeError) else GaitforgeError.exit_code
+        return JobOutcome(code, "error", robot, task, str(folder), message=str(told))
 
 
-def _complain(node: DictConfig, error: Exception, complain: Say) -> None:
-    if node.debug:
-        complain(traceback.format_exc())
+def _words(error: Exception) -> str:
     if isinstance(error, GaitforgeError):
-        complain(f"gaitforge: {error}")
-    else:
-        complain(f"gaitforge: internal error: {type(error).__name__}: {error} (debug=true shows more)")
+        return str(error)
+    return f"internal error: {type(error).__name__}: {error} (debug=true shows more)"
 
 
 def _run(node: DictConfig, allow: Sequence[str], folder: Path, task_name: str, say: Say) -> JobOutcome:

@@ -25,12 +25,22 @@ def options(node: DictConfig, allow: Sequence[str]) -> Options:
         recorder=build(whole["record"], McapRecorder, key="record", allow=allow),
         motion=build(motion, MotionOptions, key="motion", allow=allow) if motion else None,
         transition=transition.get("method", "optimise"),
-        footfall=footfall_options(whole.get("footfall") or {}, allow),
+        footfall=footfall_options(whole["footfall"], int(whole["seed"]), allow),
         search=build(whole["pipeline"], Search, key="pipeline", allow=allow),
         seed=int(whole["seed"]),
     )
 
 
-def footfall_options(node: Mapping[str, Any], allow: Sequence[str]) -> dict[str, Any]:
-    """Keyword arguments of the pattern synthesis."""
-    return {}
+def footfall_options(node: Mapping[str, Any], seed: int, allow: Sequence[str]) -> dict[str, Any]:
+    """Keyword arguments of the pattern synthesis: ``constraints``, ``solver``, ``time_limit_s``, ``seed``."""
+    from gaitforge.footfall.constraints import ConstraintSet
+    from gaitforge.footfall.solvers.base import FootfallSolver
+
+    built: dict[str, Any] = {**node, "seed": seed}
+    families = node.get("constraints") or {}
+    built["constraints"] = tuple(
+        build(family, ConstraintSet, key=f"footfall.constraints.{name}", allow=allow)
+        for name, family in families.items()
+    )
+    built["solver"] = build(node["solver"], FootfallSolver, key="footfall.solver", allow=allow)
+    return built

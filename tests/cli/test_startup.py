@@ -1,0 +1,71 @@
+"""The command line answers at once, and does nothing at import."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from gaitforge import __version__
+
+HEAVY = ("ortools", "casadi", "pinocchio", "pybullet", "mcap", "matplotlib", "yourdfpy", "scipy", "trimesh")
+
+
+def python(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_help_shows_options_and_exit_codes_without_loading_a_heavy_library(tmp_path: Path) -> None:
+    code = (
+        "import sys\n"
+        "from gaitforge.cli import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: pass\n"
+        f"print('loaded', [m for m in {HEAVY!r} if m in sys.modules])\n"
+    )
+    begin = time.perf_counter()
+    done = python(code, tmp_path)
+    seconds = time.perf_counter() - begin
+    assert "loaded []" in done.stdout
+    assert "robot: dodecapod, hexapod, quadruped" in done.stdout
+    assert "task: camera_leg, transition, walk" in done.stdout
+    assert "3 infeasible" in done.stdout
+    assert seconds < 5.0  # about one second on a free core
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_solver_s_threads_are_set_before_numpy_is_loaded(tmp_path: Path) -> None:
+    code = (
+        "import os, sys\n"
+        "for v in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'): os.environ.pop(v, None)\n"
+        "from gaitforge.cli import main\n"
+        "assert 'numpy' not in sys.modules and 'OMP_NUM_THREADS' not in os.environ\n"
+        "main(['--version'])\n"
+        "try: main(['robot=nothing'])\n"
+        "except SystemExit: pass\n"
+        "print(os.environ['OMP_NUM_THREADS'], os.environ['OPENBLAS_NUM_THREADS'], os.environ['MKL_NUM_THREADS'])\n"
+    )
+    done = python(code, tmp_path)
+    assert done.stdout.splitlines() == [f"gaitforge {__version__}", "1 1 1"]
+
+
+def test_the_package_runs_as_a_module(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "gaitforge", "--version"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"gaitforge {__version__}\n"
+
+
+def test_an_interrupt_ends_with_its_own_code_and_one_line(tmp_path: Path) -> None:
+    code = (
+        "import sys\n"
+        "import gaitforge.cli.job as job\n"
+        "def interrupted(*args, **kwargs): raise KeyboardInterrupt\n"
+        "job.run_job = interrupted\n"
+        "from gaitforge.cli import main\n"
+        "sys.exit(main([]))\n"
+    )
+    done = python(code, tmp_path)
+    assert done.returncode == 130
+    assert done.stderr == "gaitforge: interrupted\n"
