@@ -58,7 +58,8 @@ class FootfallPattern:
 
     def row(self, limb: str) -> NDArray[np.bool_]:
         """(m,) the row of one limb."""
-        return self.contact[self.limbs.index(limb)]
+        row: NDArray[np.bool_] = self.contact[self.limbs.index(limb)]
+        return row
 
     @staticmethod
     def from_rows(rows: Mapping[str, Sequence[int] | str], cyclic: bool = True) -> FootfallPattern:
