@@ -11,7 +11,8 @@ from gaitforge.task.scene import Scene, SceneObject
 from gaitforge.verify.rotation import matrices
 
 Array = NDArray[np.float64]
-PIPE_SIDES = 24
+PIPE_SIDES = 16
+"""PyBullet crashes on a body of more than 16 shapes."""
 
 
 @dataclass(frozen=True)
