@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
+from itertools import product
 
 import numpy as np
 
@@ -22,7 +24,7 @@ def capsule(link: str, shape: Shape) -> Capsule:
     """The capsule along a shape's longest axis that encloses the shape."""
     T, size, centre = shape.placement, np.asarray(shape.size), np.zeros(3)
     if shape.kind == "mesh":
-        size, centre = _mesh_box(shape)
+        size, centre = mesh_box(shape)
     axis, half, radius = np.zeros(3), 0.0, float(size[0])
     if shape.kind == "cylinder":
         axis, half = np.array([0.0, 0.0, 1.0]), float(size[1]) / 2.0
@@ -34,14 +36,36 @@ def capsule(link: str, shape: Shape) -> Capsule:
     return Capsule(link, _point(a), _point(b), radius)
 
 
+def bounds(shape: Shape) -> Array:
+    """(8, 3) corners of a box, in the link frame, that encloses the shape [m]."""
+    size, centre = np.ones(3), np.zeros(3)
+    if shape.kind == "mesh":
+        size, centre = mesh_box(shape)
+    elif shape.kind == "box":
+        size = np.asarray(shape.size)
+    elif shape.kind == "cylinder":
+        size = np.array([2.0 * shape.size[0], 2.0 * shape.size[0], shape.size[1]])
+    else:
+        size = np.full(3, 2.0 * shape.size[0])
+    corners = centre + np.array(list(product((-0.5, 0.5), repeat=3))) * size
+    return np.asarray(corners @ shape.placement[:3, :3].T + shape.placement[:3, 3])
+
+
 def _point(p: Array) -> tuple[float, float, float]:
     x, y, z = (float(round(v, 12)) for v in p)
     return x, y, z
 
 
-def _mesh_box(shape: Shape) -> tuple[Array, Array]:
+def mesh_box(shape: Shape) -> tuple[Array, Array]:
     """Edge lengths and centre of a mesh's bounding box [m]."""
+    corners = mesh_vertices(shape.file) * np.asarray(shape.size)
+    lower, upper = corners.min(axis=0), corners.max(axis=0)
+    return upper - lower, (upper + lower) / 2.0
+
+
+@lru_cache(maxsize=64)
+def mesh_vertices(file: str) -> Array:
+    """(n, 3) vertices of a mesh file, unscaled [m]."""
     import trimesh
 
-    lower, upper = trimesh.load(shape.file, force="mesh").bounds * np.asarray(shape.size)
-    return np.abs(upper - lower), (upper + lower) / 2.0
+    return np.asarray(trimesh.load(file, force="mesh").vertices, dtype=float)

@@ -18,6 +18,7 @@ from gaitforge.robot.model import RobotModel
 from gaitforge.robot.nominal import read_nominal
 from gaitforge.robot.read import Section, check_format, load_yaml
 from gaitforge.robot.recognize import recognize
+from gaitforge.robot.sidecar import read_plain, urdf_path
 from gaitforge.robot.tree import RigidTree
 from gaitforge.robot.urdf import urdf_text
 
@@ -29,9 +30,11 @@ def load_robot(robot: str | os.PathLike[str]) -> RobotModel:
     """
     path = _find(robot)
     if path.suffix == ".urdf":
-        raise InputError(Problem(str(path), "", "a URDF", "an assembly"))
+        return _from_urdf(path, Section({}, str(path)))
     top = Section(load_yaml(path), str(path))
     check_format(top)
+    if "urdf" in top:
+        return _from_urdf(urdf_path(top), top)
     return _from_assembly(read_assembly(top, _name(path)), top)
 
 
@@ -59,6 +62,12 @@ def _from_assembly(assembly: Assembly, top: Section) -> RobotModel:
     return _model(built.tree, limbs, top, built)
 
 
+def _from_urdf(path: Path, top: Section) -> RobotModel:
+    plain = read_plain(path, top)
+    limbs = recognize(plain.tree, plain.feet, top.file)
+    return _model(plain.tree, limbs, top, None, plain.warnings)
+
+
 def _feet(assembly: Assembly, built: Built) -> list[GivenFoot]:
     """The user's feet where given, else the feet of the foot modules; every limb has one."""
     given = {g.foot.link: g for g in assembly.feet}
@@ -75,7 +84,9 @@ def _feet(assembly: Assembly, built: Built) -> list[GivenFoot]:
     return feet
 
 
-def _model(tree: RigidTree, limbs: Sequence[Limb], top: Section, built: Built | None) -> RobotModel:
+def _model(
+    tree: RigidTree, limbs: Sequence[Limb], top: Section, built: Built | None, warnings: tuple[str, ...] = ()
+) -> RobotModel:
     names = joint_order(tree, limbs)
     nominal = read_nominal(top.child("nominal"), tree, limbs, names)
     top.raise_problems()
@@ -94,6 +105,7 @@ def _model(tree: RigidTree, limbs: Sequence[Limb], top: Section, built: Built | 
         capsules=limb_capsules(tree, limbs),
         base_link=BASE if built else tree.root,
         modules=built.modules if built else len(names),
+        warnings=warnings,
     )
 
 

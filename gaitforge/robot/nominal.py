@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from gaitforge.robot.geometry import Array
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import Nominal
+from gaitforge.robot.posture import held as default_held
+from gaitforge.robot.posture import standing as default_standing
 from gaitforge.robot.read import Section
 from gaitforge.robot.tree import Joint, RigidTree
 
@@ -27,13 +28,14 @@ def read_nominal(s: Section, tree: RigidTree, limbs: Sequence[Limb], joint_names
     s.only(*_KEYS)
     joints = {j.name: j for j in tree.joints}
     rest = {n: float(np.clip(0.0, j.lower, j.upper)) for n, j in joints.items()}
-    standing = _posture(s, "posture", limbs, joints, rest)
+    standing = _posture(s, "posture", limbs, joints, rest if "posture" in s else rest | default_standing(tree, limbs))
     heights = foot_bottoms(tree, limbs, standing)
     ground = min(heights.values())
     if "posture" in s and max(heights.values()) - ground > UNEVEN:
         found = ", ".join(f"{n} {1e3 * (h - ground):.0f} mm" for n, h in heights.items())
         s.problem("posture", f"feet at heights {found}", f"all feet on the ground, within {1e3 * UNEVEN:.0f} mm")
-    held = _posture(s, "held_posture", limbs, joints, standing)
+    raised = standing if "held_posture" in s else default_held(tree, limbs, standing)
+    held = _posture(s, "held_posture", limbs, joints, raised)
     names = list(joint_names)
     return Nominal(
         posture=np.array([standing[n] for n in names]),
@@ -87,7 +89,3 @@ def _long(raw: object, limb: Limb) -> bool:
     """Does a posture speak of the limb's tool joints too?"""
     return isinstance(raw, list) and len(raw) == len(limb.joints) + len(limb.tool_joints)
 
-
-def column(joints: Mapping[str, float], names: Sequence[str]) -> Array:
-    """(n_J,) angles in the order of the names [rad]."""
-    return np.array([joints[n] for n in names])

@@ -1,0 +1,115 @@
+"""Postures for a robot whose file gives none: slightly bent legs to stand on, raised ones to hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gaitforge.robot.geometry import Array, turn
+from gaitforge.robot.limbs import Foot, Limb
+from gaitforge.robot.tree import Joint, RigidTree
+
+BEND = 0.10
+"""A straight leg is shortened by this share of its reach to stand."""
+STRAIGHT = 0.97
+"""A leg longer than this share of its reach counts as straight: it cannot move its foot outward."""
+LIFT = 0.12
+"""[m] a foot is held above its standing place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Joints from the base to a foot: forward kinematics of one limb."""
+
+    joints: tuple[Joint, ...]
+    foot: Foot
+
+    @staticmethod
+    def of(tree: RigidTree, foot: Foot) -> Chain:
+        """The chain to a foot of a tree."""
+        return Chain(tree.path(foot.link), foot)
+
+    @property
+    def lower(self) -> Array:
+        """(n,) [rad]"""
+        return np.array([j.lower for j in self.joints])
+
+    @property
+    def upper(self) -> Array:
+        """(n,) [rad]"""
+        return np.array([j.upper for j in self.joints])
+
+    @property
+    def rest(self) -> Array:
+        """(n,) zero, or the limit next to it [rad]"""
+        return np.clip(np.zeros(len(self.joints)), self.lower, self.upper)
+
+    def tip(self, q: Sequence[float] | Array) -> Array:
+        """(3,) centre of the foot sphere in the base frame [m]."""
+        T = np.eye(4)
+        for joint, angle in zip(self.joints, q, strict=True):
+            T = T @ joint.origin @ turn(joint.axis, float(angle))
+        return np.asarray(T[:3, :3] @ self.foot.offset + T[:3, 3])
+
+
+def sampled(chain: Chain, count: int) -> Iterator[Array]:
+    """`count` postures spread over the limits, the same ones every time."""
+    from scipy.stats import qmc
+
+    points = qmc.Halton(len(chain.joints), scramble=False).random(count)
+    yield from chain.lower + points * (chain.upper - chain.lower)
+
+
+def standing(tree: RigidTree, limbs: Sequence[Limb]) -> dict[str, float]:
+    """Joint → angle [rad]: at rest, but a straight leg shortened by `BEND`, all feet at one height."""
+    chains = [Chain.of(tree, x.foot) for x in limbs]
+    rest = [c.tip(c.rest) for c in chains]
+    bottoms = []
+    for chain, point in zip(chains, rest, strict=True):
+        length, span = _lengths(chain)
+        bend = BEND * span if length > STRAIGHT * span else 0.0
+        bottoms.append(float(point[2]) - chain.foot.radius + bend)
+    ground = max(bottoms)
+    angles: dict[str, float] = {}
+    for point, chain in zip(rest, chains, strict=True):
+        goal = np.array([point[0], point[1], ground + chain.foot.radius])
+        q = chain.rest if abs(goal[2] - point[2]) < 1e-6 else reach(chain, goal, chain.rest)
+        angles.update({j.name: float(a) for j, a in zip(chain.joints, q, strict=True)})
+    return angles
+
+
+def held(tree: RigidTree, limbs: Sequence[Limb], stand: dict[str, float]) -> dict[str, float]:
+    """Joint → angle [rad]: each foot `LIFT` above where it stands."""
+    angles = dict(stand)
+    for limb in limbs:
+        chain = Chain.of(tree, limb.foot)
+        start = np.array([stand[j.name] for j in chain.joints])
+        goal = chain.tip(start) + np.array([0.0, 0.0, LIFT])
+        angles.update({j.name: float(a) for j, a in zip(chain.joints, reach(chain, goal, start), strict=True)})
+    return angles
+
+
+def reach(chain: Chain, goal: Array, near: Array) -> Array:
+    """(n,) joint positions that bring the foot to `goal` (3,) [m] or as near as can be; of several, closest to `near`."""
+    from scipy.optimize import least_squares
+
+    margin = 0.02 * (chain.upper - chain.lower)
+    lower, upper = np.maximum(chain.lower + margin, near - np.pi), np.minimum(chain.upper - margin, near + np.pi)
+
+    def residual(q: Array) -> Array:
+        return np.concatenate([chain.tip(q) - goal, 1e-4 * (q - near)])
+
+    starts = [near, *(near + 0.25 * (np.clip(q, near - np.pi, near + np.pi) - near) for q in sampled(chain, 8))]
+    tries = [least_squares(residual, np.clip(q, lower, upper), bounds=(lower, upper)).x for q in starts]
+    best = min(float(np.linalg.norm(chain.tip(q) - goal)) for q in tries)
+    good = [q for q in tries if np.linalg.norm(chain.tip(q) - goal) < best + 1e-3]
+    return np.asarray(min(good, key=lambda q: round(float(np.abs(q - near).sum()), 6)))
+
+
+def _lengths(chain: Chain) -> tuple[float, float]:
+    """Of the leg from its second joint on: distance of the foot at rest, and the farthest it can be [m]."""
+    leg = Chain(chain.joints[min(2, len(chain.joints) - 1) :], chain.foot)
+    lengths = [float(np.linalg.norm(leg.tip(q))) for q in (leg.rest, *sampled(leg, 200))]
+    return lengths[0], max(lengths)
