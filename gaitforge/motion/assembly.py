@@ -50,9 +50,7 @@ def assemble(problem: Problem) -> Assembled:
     f, g = builder.cost(), builder.constraints()
     multiplier_f, multiplier_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", problem.row_count)
     functions = {
-        "grad_f": ca.Function(
-            "nlp_grad_f", [x, parameter], [f, builder.gradient()], ["x", "p"], ["f", "grad_f_x"]
-        ),
+        "grad_f": ca.Function("nlp_grad_f", [x, parameter], [f, builder.gradient()], ["x", "p"], ["f", "grad_f_x"]),
         "jac_g": ca.Function("nlp_jac_g", [x, parameter], [g, builder.jacobian()], ["x", "p"], ["g", "jac_g_x"]),
         "hess_lag": ca.Function(
             "nlp_hess_l",
@@ -130,7 +128,9 @@ class _Builder:
             if not len(a):
                 continue
             count = len(term.variables)
-            parts.append(ca.vec(term.kernel.second.map(count)(v, p, self._multipliers(term, multiplier_f, multiplier_g))))
+            parts.append(
+                ca.vec(term.kernel.second.map(count)(v, p, self._multipliers(term, multiplier_f, multiplier_g)))
+            )
             first, second = self.position[term.variables[:, a]].ravel(), self.position[term.variables[:, b]].ravel()
             keep = (first >= 0) & (second >= 0)
             rows.append(np.where(keep, np.minimum(first, second), -1))

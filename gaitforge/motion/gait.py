@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +58,7 @@ def plan_gait(
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     named = {robot.limb(limb).name: role for limb, role in (roles or {}).items()}
     fixed = resting_joints(robot, walking, named, postures or {})
-    segment = Segment(name, "gait", robot, grid, walking, fixed, _guess(robot, grid, fixed), named)
+    segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, fixed), named)
     return solve_refined(segment, options)
 
 
@@ -79,7 +80,7 @@ def resting_joints(
     return joints
 
 
-def _guess(robot: RobotModel, grid: Discretisation, joints: Array) -> Guess:
+def _guess(robot: RobotModel, joints: Array, grid: Discretisation) -> Guess:
     """Nominal posture, feet sweeping back through their nominal places while in stance."""
     count = grid.samples
     base = np.zeros((count, 6))

@@ -28,8 +28,7 @@ def longest_reach(robot: RobotModel, limb: Limb) -> float:
     parameters = limb_parameters(robot, limb)
     count = len(limb.joints)
     lengths = [
-        float(np.linalg.norm(parameters[JOINT_PARAMETERS * i + 9 : JOINT_PARAMETERS * i + 12]))
-        for i in range(1, count)
+        float(np.linalg.norm(parameters[JOINT_PARAMETERS * i + 9 : JOINT_PARAMETERS * i + 12])) for i in range(1, count)
     ]
     return 2.0 * (sum(lengths) + float(np.linalg.norm(parameters[JOINT_PARAMETERS * count :])))
 

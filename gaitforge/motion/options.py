@@ -20,8 +20,8 @@ class MotionOptions:
     """r; two keep what the samples promise between samples"""
     step_height: float | None = None
     """[m]; None: the robot's own"""
-    stability_share: float = 0.3
-    """The CoP stays in the support polygon shrunk by this share towards its centroid."""
+    stability_shares: tuple[float, ...] = (0.4, 0.3)
+    """The CoP stays in the support polygon shrunk by this share towards its centroid; tried in this order."""
     progress_share: float = 0.98
     """A transition covers at least this share of the commanded travel."""
     tilt_limit: float = 0.15
@@ -34,10 +34,19 @@ class MotionOptions:
     """[m] kept between bodies of different limbs"""
     speed_share: float = 0.9
     """Share of a joint's speed limit that the spline may use."""
+    ground_tolerance: float = 0.6e-3
+    """[m] how deep the spline may push a foot below the ground between samples while three feet or fewer
+    hold the robot; a finer grid is the remedy"""
+    ground_tolerance_many: float = 1.5e-3
+    """[m] the same while there are always more than three"""
+    finest: int = 6
+    """Most samples a column that refinement may use."""
     stand_seconds: float = 1.0
     """[s] to start from a stand or to stop"""
     refinements: int = 4
     """How often a plan is refined when its spline misses a bound between samples."""
+    stability_share: float = 0.4
+    """The share in force, one of `stability_shares`."""
     smoothness: Smoothness = field(default_factory=Smoothness)
     posture: Posture = field(default_factory=Posture)
     body: Body = field(default_factory=Body)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
+from gaitforge.motion.bodies import Closest
 from gaitforge.motion.constraints.clearance import Clearance
 from gaitforge.motion.constraints.joint_speed import JointSpeed
 from gaitforge.motion.dense import DenseReport, check_densely
@@ -16,49 +18,127 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.solvers.solution import Solution
 
+NEAR_M = 0.01
+"""[m] pairs of bodies this much farther apart than the clearance are watched, too"""
+
+
+@dataclass
+class _Remedies:
+    """What refinement has added so far."""
+
+    shares: dict[int, float] = field(default_factory=dict)
+    """limb → share of its joint speed limits that a whole interval may use"""
+    clearances: list[Clearance] = field(default_factory=list)
+    turns: int = 0
+    iterations: int = 0
+    seconds: float = 0.0
+
+    @property
+    def families(self) -> list[Family]:
+        return [*(JointSpeed(share, (i,)) for i, share in self.shares.items()), *self.clearances]
+
 
 def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
-    """A plan whose spline keeps the bounds between samples too; `UnsolvedError` when none was found."""
-    extra: list[Family] = []
-    start, shares, seconds, iterations = None, {}, 0.0, 0
+    """A plan whose spline keeps its bounds between samples too; `UnsolvedError` when none was found.
+
+    Joint speeds and clearance are answered with rows, feet pushed into the ground with a finer grid,
+    and a problem without a solution with the next smaller stability share; the plan's `relaxed` and
+    report say which.
+    """
+    failure: UnsolvedError | None = None
+    for share in options.stability_shares:
+        try:
+            plan = _finer(segment, replace(options, stability_share=share))
+        except UnsolvedError as error:
+            failure = failure or error
+            continue
+        relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
+        return replace(plan, relaxed=relaxed)
+    assert failure is not None
+    raise failure
+
+
+def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
+    """Solve on the asked grid; when the spline pushes feet into the ground, on one that is as fine as needed."""
+    plan, report, remedies = _solve(segment, options, _Remedies(_role_changes(segment)))
+    few = int(segment.grid.pattern.contact.sum(axis=0).min()) <= 3
+    tolerance = options.ground_tolerance if few else options.ground_tolerance_many
+    now = segment.grid.samples_per_column
+    if report.penetration > tolerance and now < options.finest:
+        finer = min(options.finest, int(np.ceil(now * report.penetration / tolerance)))
+        remedies.clearances.clear()  # their samples are another grid's
+        plan, report, remedies = _solve(segment.on_grid(finer), options, remedies)
+    details = {
+        "refinements": remedies.turns,
+        "samples_per_column": plan.samples_per_column,
+        "stability_share": options.stability_share,
+        **report.as_dict(),
+    }
+    done = replace(plan.report, seconds=remedies.seconds, iterations=remedies.iterations, details=details)
+    return replace(plan, report=done)
+
+
+def _solve(segment: Segment, options: MotionOptions, remedies: _Remedies) -> tuple[MotionPlan, DenseReport, _Remedies]:
+    """Solve and add rows until joint speeds and clearance hold densely."""
+    start: NDArray[np.float64] | None = None
     for turn in range(options.refinements + 1):
-        solution, plan = segment.solve(options, extra, start)
-        seconds, iterations = seconds + plan.report.seconds, iterations + solution.iterations
+        solution, plan = segment.solve(options, remedies.families, start)
+        remedies.seconds += plan.report.seconds
+        remedies.iterations += solution.iterations
         if not solution.solved:
             raise _unsolved(segment, solution, turn)
-        report = check_densely(segment.robot, plan, options.clearance + 0.01)
-        more = _remedies(segment, options, report, shares)
-        if not more:
-            details = {"refinements": turn, **report.as_dict(), "rows": len(solution.worst)}
-            done = replace(plan.report, seconds=seconds, iterations=iterations, details=details)
-            return replace(plan, report=done)
-        extra, start = [*(f for f in extra if not isinstance(f, JointSpeed)), *more], solution.x
+        report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
+        if not _remedy(segment, options, report, remedies):
+            return plan, report, remedies
+        remedies.turns += 1
+        start = solution.x
     raise UnsolvedError(
         f"{segment.name}: after {options.refinements} refinements the spline still misses a bound: {_missed(report)}",
-        {"segment": segment.name, "families": [f.name for f in more], **report.as_dict()},
+        {
+            "segment": segment.name,
+            "families": sorted({f.name for f in remedies.families}),
+            "advice": "walk slower, take more time, or choose another pattern or posture",
+            **report.as_dict(),
+        },
     )
 
 
-def _remedies(
-    segment: Segment, options: MotionOptions, report: DenseReport, shares: dict[int, float]
-) -> list[Family]:
-    """Families to add: nothing when the spline keeps what the samples promise."""
-    more: list[Family] = []
-    robot = segment.robot
-    slow = False
+def _role_changes(segment: Segment) -> dict[int, float]:
+    """Limbs that change their posture for good get their speed bound from the start."""
+    grid = segment.grid
+    if grid.cyclic or grid.start is None or grid.end is None or grid.start.rest or grid.end.rest:
+        return {}
+    shares = {}
+    for i in segment.moving:
+        rows = segment.robot.joint_indices(segment.robot.limbs[i])
+        if np.abs(grid.start.joints[rows] - grid.end.joints[rows]).max() > 0.5:
+            shares[i] = 0.75
+    return shares
+
+
+def _remedy(segment: Segment, options: MotionOptions, report: DenseReport, remedies: _Remedies) -> bool:
+    """Add what helps; False when nothing is needed."""
+    robot, needed = segment.robot, False
     for i in segment.moving:
         ratio = float(report.speed_ratio[robot.joint_indices(robot.limbs[i])].max())
         if ratio > options.speed_share:
-            shares[i] = shares.get(i, options.speed_share) * min(0.95, 0.98 * options.speed_share / ratio)
-            slow = True
-    if slow:
-        more += [JointSpeed(share, (i,)) for i, share in shares.items()]
-    if report.gap < 0.5 * options.clearance:
-        near = tuple(c for c in report.close if c.gap < options.clearance + 0.01)
-        more.append(Clearance(near, options.clearance))
-        if not slow:
-            more += [JointSpeed(share, (i,)) for i, share in shares.items()]
-    return more
+            before = remedies.shares.get(i, options.speed_share)
+            remedies.shares[i] = before * min(0.95, 0.98 * options.speed_share / ratio)
+            needed = True
+    close = [c for c in report.close if not _given(segment, c)]
+    if min((c.gap for c in close), default=np.inf) < 0.5 * options.clearance:
+        near = tuple(c for c in close if c.gap < options.clearance + NEAR_M)
+        remedies.clearances.append(Clearance(near, options.clearance))
+        needed = True
+    return needed
+
+
+def _given(segment: Segment, pair: Closest) -> bool:
+    """Is the sample one that the neighbouring segments have fixed?"""
+    grid = segment.grid
+    first = grid.start is not None and not grid.start.rest and pair.sample == 0
+    last = grid.end is not None and not grid.end.rest and pair.sample == grid.intervals
+    return first or last
 
 
 def _missed(report: DenseReport) -> str:

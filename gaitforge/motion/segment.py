@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,13 @@ class Segment:
     grid: Discretisation
     moving: tuple[int, ...]
     fixed_joints: Array
-    guess: Guess
+    make_guess: Callable[[Discretisation], Guess]
+    """The starting point on a given grid."""
     roles: Mapping[str, Role]
+
+    def on_grid(self, samples_per_column: int) -> Segment:
+        """The same segment with more (or fewer) samples a column."""
+        return replace(self, grid=replace(self.grid, samples_per_column=samples_per_column))
 
     def build(self, options: MotionOptions, extra: Sequence[Family] = ()) -> tuple[Problem, Trajectory]:
         """The motion problem with all families, `extra` ones last."""
@@ -49,7 +54,7 @@ class Segment:
             self.grid,
             self.moving,
             self.fixed_joints,
-            self.guess,
+            self.make_guess(self.grid),
             step_height=height,
             minimum_weight=options.stability_share,
             tilt=options.tilt_limit,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.state import gait_state, rest_state
-from gaitforge.motion.trajectory import Discretisation, Guess
+from gaitforge.motion.trajectory import Boundary, Discretisation, Guess
 from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -43,19 +44,27 @@ def _plan(robot: RobotModel, gait: MotionPlan, name: str, options: MotionOptions
     base[:2] += away
     rest = rest_state(robot, moving.joints, base)
     pattern = _pattern(gait, starting)
-    command = Command(0.0, gait.command.heading, 0.0)
+    # mean speed of a steady acceleration: without it the body swings back before it goes ahead
+    command = Command(0.5 * gait.command.speed, gait.command.heading, 0.0)
     start, end = (rest, moving) if starting else (moving, rest)
     grid = Discretisation(pattern, options.samples_per_column, seconds, command, start, end)
+    walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
+    guess = partial(_guess, robot, moving)
+    segment = Segment(name, "stand", robot, grid, walking, moving.joints, guess, dict(gait.roles))
+    return solve_refined(segment, replace(options, step_height=_low_steps(robot, options), progress_share=0.7))
+
+
+def _guess(robot: RobotModel, moving: Boundary, grid: Discretisation) -> Guess:
+    """The gait's seam posture all along, the base on a parabola between rest and the gait's speed."""
+    assert grid.start is not None
+    assert grid.end is not None
     share = np.linspace(0.0, 1.0, grid.samples)[:, None]
-    curve = share**2 if starting else 2 * share - share**2
-    poses = start.base + curve * (end.base - start.base)
+    curve = share**2 if grid.start.rest else 2 * share - share**2
+    poses = grid.start.base + curve * (grid.end.base - grid.start.base)
     feet = np.tile(robot.foot_positions(moving.base, moving.joints), (grid.samples, 1, 1))
     for i, limb in enumerate(robot.limbs):
         feet[grid.ground[:, i], i, 2] = limb.foot.radius
-    guess = Guess(poses, np.tile(moving.joints, (grid.samples, 1)), feet)
-    walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
-    segment = Segment(name, "stand", robot, grid, walking, moving.joints, guess, dict(gait.roles))
-    return solve_refined(segment, replace(options, step_height=_low_steps(robot, options)))
+    return Guess(poses, np.tile(moving.joints, (grid.samples, 1)), feet)
 
 
 def _low_steps(robot: RobotModel, options: MotionOptions) -> float:

@@ -105,7 +105,9 @@ def _override(
     plan = timeline.sample(times)
     posture = plan.joint_positions[-1, rows]
     aimed = aim_joints(robot, limb, tool, plan.base_poses, aim.target, posture)
-    share = np.clip((times - begin) / max(aim.start - begin, 1e-9), 0.0, 1.0) if begin < aim.start else np.ones_like(times)
+    share = (
+        np.clip((times - begin) / max(aim.start - begin, 1e-9), 0.0, 1.0) if begin < aim.start else np.ones_like(times)
+    )
     blend = (share**3 * (10 - 15 * share + 6 * share**2))[:, None]
     values = plan.joint_positions[:, rows] + blend * (aimed - plan.joint_positions[:, rows])
     first = timeline.sample([begin]).joint_velocities[0, rows]

@@ -126,6 +126,11 @@ class Discretisation:
         return distance
 
 
+def smooth_step(share: Array) -> Array:
+    """σ(s) = s³ (10 − 15 s + 6 s²): from 0 to 1 with no velocity and no acceleration at either end."""
+    return np.asarray(share**3 * (10 - 15 * share + 6 * share**2))
+
+
 def planar_motion(command: Command, seconds: float) -> Array:
     """(3,) x, y, yaw after driving a constant body twist for some time."""
     angle = command.yaw_rate * seconds
@@ -207,9 +212,7 @@ def lay_out(
         joints[i] = problem.add_variables(start, low, high)
         feet[i] = problem.add_variables(guess.feet[:, i], *_foot_bounds(robot, grid, i, step_height))
     weights = _add_weights(problem, grid, minimum_weight)
-    return Trajectory(
-        robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment
-    )
+    return Trajectory(robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment)
 
 
 def _lumped(
@@ -241,7 +244,7 @@ def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height
     radius = robot.limbs[limb].foot.radius
     low, high = np.full((grid.samples, 3), -np.inf), np.full((grid.samples, 3), np.inf)
     away = np.minimum(1.0, grid.from_ground()[:, limb] / grid.samples_per_column)
-    low[:, 2] = radius + step_height * away
+    low[:, 2] = radius + step_height * smooth_step(away)
     ground = grid.ground[:, limb]
     high[ground, 2] = low[ground, 2] = radius
     for at, end in ((0, grid.start), (-1, grid.end)):

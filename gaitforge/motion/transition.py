@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -59,7 +60,7 @@ def plan_transition(
     end = gait_state(robot, after, yaw=float(travel[2]))
     grid = Discretisation(pattern, options.samples_per_column, seconds, command, start, end)
     moving = _moving(robot, pattern, start, end)
-    guess = _guess(robot, grid, start, end, travel)
+    guess = partial(_guess, robot, start, end, travel)
     named = dict(after.roles) if roles is None else {robot.limb(n).name: r for n, r in roles.items()}
     return solve_refined(Segment(name, "transition", robot, grid, moving, start.joints, guess, named), options)
 
@@ -82,7 +83,7 @@ def _moving(robot: RobotModel, pattern: FootfallPattern, start: Boundary, end: B
     return tuple(moving)
 
 
-def _guess(robot: RobotModel, grid: Discretisation, start: Boundary, end: Boundary, travel: Array) -> Guess:
+def _guess(robot: RobotModel, start: Boundary, end: Boundary, travel: Array, grid: Discretisation) -> Guess:
     """Base and joints on straight lines; feet where they stand before and after their own step."""
     share = np.linspace(0.0, 1.0, grid.samples)[:, None]
     last = end.base.copy()

@@ -23,9 +23,9 @@ class Smoothness(Family):
     unit: ClassVar[str] = "rad²/s³"
     joints: float = 1e-3
     """per (rad/s²)² s"""
-    position: float = 1e-1
+    position: float = 1.0
     """per (m/s²)² s"""
-    rotation: float = 1e-2
+    rotation: float = 1e-1
     """per (rad/s²)² s"""
 
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:

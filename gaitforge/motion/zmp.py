@@ -1,0 +1,70 @@
+"""The zero-moment point of a plan by full inverse dynamics, beside the CoP of the inverted pendulum."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.motion.plan import MotionPlan
+from gaitforge.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+
+class PressurePoints(NamedTuple):
+    """Where the ground force acts, by two models."""
+
+    times: Array
+    """(n,) [s]"""
+    zmp: Array
+    """(n, 2) by recursive Newton–Euler over all bodies [m]"""
+    com: Array
+    """(n, 3) centre of mass [m]"""
+    margin: Array
+    """(n,) signed distance of the ZMP inside the support polygon of the planned feet [m]; < 0 outside"""
+
+
+def zero_moment_point(robot: RobotModel, plan: MotionPlan, per_interval: int = 4) -> PressurePoints:
+    """ZMP at `per_interval` times an interval (at their middles, away from contact changes)."""
+    import pinocchio
+
+    intervals = len(plan.times) - 1
+    times = (np.arange(intervals * per_interval) + 0.5) * plan.duration / (intervals * per_interval)
+    q, dq, ddq = (plan.joint_spline(times, k) for k in range(3))
+    base, rate = plan.base_spline(times), plan.base_spline(times, 1)
+    data, h = robot.pin.createData(), 1e-5
+    zmp, com, margin = np.zeros((len(times), 2)), np.zeros((len(times), 3)), np.zeros(len(times))
+    before, after = (plan.base_spline(times + s * h) for s in (-1, 1))
+    rate_before, rate_after = (plan.base_spline(times + s * h, 1) for s in (-1, 1))
+    for k in range(len(times)):
+        configuration = robot.configuration(base[k], q[k])
+        velocity = robot.velocity_vector(base[k], rate[k], dq[k])
+        change = robot.velocity_vector(after[k], rate_after[k], ddq[k]) - robot.velocity_vector(
+            before[k], rate_before[k], ddq[k]
+        )
+        acceleration = robot.velocity_vector(base[k], rate[k], ddq[k])
+        acceleration[:6] = change[:6] / (2 * h)
+        wrench = pinocchio.Force(pinocchio.rnea(robot.pin, data, configuration, velocity, acceleration)[:6])
+        world = data.oMi[1].act(wrench)
+        zmp[k] = -world.angular[1] / world.linear[2], world.angular[0] / world.linear[2]
+        com[k] = pinocchio.centerOfMass(robot.pin, data, configuration)
+        column = min(int(times[k] / plan.duration * plan.pattern.columns), plan.pattern.columns - 1)
+        stance = plan.pattern.contact[:, column]
+        feet = robot.foot_positions(base[k], q[k])[stance, :2]
+        margin[k] = polygon_margin(feet, zmp[k])
+    return PressurePoints(times, zmp, com, margin)
+
+
+def polygon_margin(points: Array, at: Array) -> float:
+    """Signed distance [m] of `at` (2,) inside the convex hull of `points` (n, 2); negative outside."""
+    if len(points) < 3:
+        return -float(np.linalg.norm(points - at, axis=1).min()) if len(points) else -np.inf
+    angle = np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
+    normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    edges = points[None, :, :] - points[:, None, :]
+    side = np.stack([-edges[..., 1], edges[..., 0]], axis=-1).reshape(-1, 2)
+    length = np.linalg.norm(side, axis=1)
+    normals = np.vstack([normals, side[length > 1e-9] / length[length > 1e-9, None]])
+    return float(((points - at) @ normals.T).max(axis=0).min())
