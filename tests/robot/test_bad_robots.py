@@ -130,7 +130,7 @@ def test_a_bad_module_is_refused_with_file_key_found_and_expected(case: str, tmp
 
 
 def test_the_unchanged_copy_is_accepted(tmp_path: Path) -> None:
-    assert load_robot(write_robot(tmp_path)).urdf == load_robot("hexapod").urdf
+    assert load_robot(write_robot(tmp_path / "hexapod")).urdf == load_robot("hexapod").urdf
 
 
 def test_all_problems_of_a_file_are_reported_together(tmp_path: Path) -> None:
