@@ -30,7 +30,7 @@ class Finished:
         return sorted(str(p.relative_to(self.folder)) for p in self.folder.rglob("*"))
 
 
-@pytest.fixture()
+@pytest.fixture
 def gaitforge(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> Callable[..., Finished]:

@@ -7,7 +7,6 @@ import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from omegaconf import DictConfig
 
@@ -38,7 +37,7 @@ def run_job(node: DictConfig, allow: Sequence[str], *, say: Say, complain: Say) 
     from hydra.core.hydra_config import HydraConfig
 
     hydra = HydraConfig.get()
-    folder, task = Path(hydra.runtime.output_dir), str(hydra.runtime.choices.task)
+    folder, task = Path(hydra.runtime.output_dir), str(hydra.runtime.choices["task"])
     robot = str(node.robot.name)
     try:
         return _run(node, allow, folder, task, say)
@@ -60,13 +59,13 @@ def _words(error: Exception) -> str:
 
 
 def _run(node: DictConfig, allow: Sequence[str], folder: Path, task_name: str, say: Say) -> JobOutcome:
+    from gaitforge.cli.options import options
+    from gaitforge.cli.terminal import Narrator, summary_text
     from gaitforge.config import plain
     from gaitforge.pipeline.run import Run, run_task
     from gaitforge.pipeline.stopwatch import Stopwatch
     from gaitforge.robot.load import load_robot
-    from gaitforge.cli.options import options
     from gaitforge.task.load import load_task
-    from gaitforge.cli.terminal import Narrator, summary_text
 
     narrator = Narrator(say)
     watch = Stopwatch(narrator.progress)

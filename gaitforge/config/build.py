@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, TypeVar, cast, get_type_hints
 
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
@@ -20,8 +20,8 @@ def plain(node: Any) -> Any:
     return OmegaConf.to_container(node, resolve=True) if isinstance(node, DictConfig | ListConfig) else node
 
 
-def build(node: Any, base: type[T], *, key: str = "", file: str = "config", allow: Iterable[str] = ()) -> T:
-    """The object that `node` describes by ``_target_`` and its parameters; its class must be a `base`.
+def build(node: Any, base: Callable[..., T], *, key: str = "", file: str = "config", allow: Iterable[str] = ()) -> T:
+    """The object that `node` describes by ``_target_`` and its parameters; its class must be a `base` (a class or protocol).
 
     Only classes that are defined in gaitforge, or in a package named in `allow` (which comes from the
     command line, never from a file), are made: a dotted path that leads elsewhere is refused, even if
@@ -31,11 +31,11 @@ def build(node: Any, base: type[T], *, key: str = "", file: str = "config", allo
     made = _make(plain(node), key, file, packages)
     if not _is_a(made, base):
         found = type(made).__name__
-        raise InputError(Problem(file, _join(key, "_target_"), found, f"a {base.__name__}"))
-    return made
+        raise InputError(Problem(file, _join(key, "_target_"), found, f"a {getattr(base, '__name__', base)}"))
+    return cast(T, made)
 
 
-def _is_a(made: Any, base: type) -> bool:
+def _is_a(made: Any, base: Any) -> bool:
     """isinstance; a protocol that cannot be asked is compared by the names of its members."""
     if not getattr(base, "_is_protocol", False):
         return isinstance(made, base)

@@ -43,9 +43,7 @@ def write_log_files(run: Run, verdict: Verdict) -> None:
         "seed": str(run.options.seed),
         "config_sha256": config_hash(run.config),
     }
-    run.options.recorder.write(
-        run.folder / "run.mcap", run.robot, verdict, scene=run.task.scene, metadata=metadata
-    )
+    run.options.recorder.write(run.folder / "run.mcap", run.robot, verdict, scene=run.task.scene, metadata=metadata)
     write_layout(run.folder / "run.layout.json", run.robot, verdict.timeline)
     write_speed_png(run.folder / "speed.png", verdict)
 

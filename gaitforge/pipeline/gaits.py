@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING, cast
 
 from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
@@ -16,6 +17,9 @@ from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase
 from gaitforge.task.roles import Locomotive, Role, Tool
 from gaitforge.task.scene import Scene
+
+if TYPE_CHECKING:
+    from gaitforge.footfall.synthesis import Method
 
 
 def nonlocomotive(robot: RobotModel, phase: Phase, scene: Scene) -> dict[str, Role]:
@@ -82,42 +86,39 @@ def _duration(robot: RobotModel, phase: Phase, pattern: FootfallPattern) -> floa
 def _candidates(
     robot: RobotModel, phase: Phase, roles: Mapping[str, Role], options: Options, watch: Stopwatch
 ) -> Iterator[FootfallPattern]:
-    from gaitforge.footfall.synthesis import gait_pattern_candidates, synthesize_gait_pattern
-
     if not isinstance(phase.gait, str):
-        rows = {name: phase.gait[name] for name in robot.limb_names}
-        yield FootfallPattern.from_rows(rows)
+        yield FootfallPattern.from_rows({name: phase.gait[name] for name in robot.limb_names})
         return
     locomotive = tuple(n for n in robot.limb_names if n not in roles)
-    columns = robot.nominal.columns if phase.columns is None else phase.columns
-    method = phase.gait
-    if method == "auto" and len(locomotive) == len(robot.limbs):
-        method = robot.nominal.gait
+    first = robot.nominal.gait if phase.gait == "auto" and not roles else phase.gait
     seen: set[bytes] = set()
-    if method != "auto":
+    for method in dict.fromkeys((first, phase.gait)):
         try:
-            with watch.stage("footfall"):
-                pattern = synthesize_gait_pattern(
-                    robot, locomotive=locomotive, columns=columns, method=method, **options.footfall
-                )
-        except InfeasibleFootfall as error:
-            if phase.gait != "auto":
+            found = _synthesised(robot, phase, locomotive, method, options, watch)
+        except InfeasibleFootfall:
+            if method == phase.gait:
                 raise
-            watch.progress("footfall", f"{phase.name}: no {method}: {error}")
-        else:
-            watch.progress("footfall", f"{phase.name}: {_words(pattern)}")
-            seen.add(pattern.contact.tobytes())
-            yield pattern
-    if phase.gait != "auto":
-        return
+            continue
+        fresh = [p for p in found if p.contact.tobytes() not in seen]
+        seen.update(p.contact.tobytes() for p in fresh)
+        yield from fresh
+
+
+def _synthesised(
+    robot: RobotModel, phase: Phase, locomotive: tuple[str, ...], method: str, options: Options, watch: Stopwatch
+) -> tuple[FootfallPattern, ...]:
+    """Patterns of one method, the most promising first; only *auto* has more than one kind to offer."""
+    from gaitforge.footfall.synthesis import gait_pattern_candidates
+
+    columns = robot.nominal.columns if phase.columns is None else phase.columns
+    limit = options.search.gait_candidates if method in ("auto", "program") else 1
     with watch.stage("footfall"):
         found = gait_pattern_candidates(
-            robot, locomotive=locomotive, columns=columns, limit=options.search.gait_candidates, **options.footfall
-        )
-    fresh = [p for p in found if p.contact.tobytes() not in seen]
-    if fresh:
-        watch.progress("footfall", f"{phase.name}: {len(fresh)} candidates, first {_words(fresh[0])}")
-    yield from fresh
+            robot, locomotive=locomotive, columns=columns, limit=limit, method=cast("Method", method),
+            **options.footfall,
+        )  # fmt: skip
+    watch.progress("footfall", f"{phase.name}: {len(found)} of method {method}, first {_words(found[0])}")
+    return found
 
 
 def _words(pattern: FootfallPattern) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
@@ -21,11 +22,10 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
     a run without a solution shows what there was.
     """
     gaits = _plan_gaits(robot, task, options, watch, done)
-    changes = [
-        plan_change(robot, before.plan, after.plan, options, watch)
-        for before, after in zip(gaits[:-1], gaits[1:], strict=True)
-    ]
-    start, stop = (Segment(_stand(w, robot, g.plan, options, watch)) for w, g in (("start", gaits[0]), ("stop", gaits[-1])))
+    changes = [plan_change(robot, before.plan, after.plan, options, watch) for before, after in pairwise(gaits)]
+    start, stop = (
+        Segment(_stand(w, robot, g.plan, options, watch)) for w, g in (("start", gaits[0]), ("stop", gaits[-1]))
+    )
     between = [segment for pair in zip(gaits[1:], changes, strict=True) for segment in reversed(pair)]
     done[:] = [start, gaits[0], *between, stop]
 

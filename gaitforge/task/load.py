@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from gaitforge.errors import InputError, Problem
+from gaitforge.errors import InputError
 from gaitforge.task.phase import Phase, Task
 from gaitforge.task.reader import Reader
 from gaitforge.task.roles import Failed, Held, Locomotive, Role, Tool
@@ -97,12 +97,15 @@ def _phase(
         return None if name not in item else reader.count(item[name], where(name), expected)
 
     roles = _roles(reader, item.get("roles"), f"{key}.roles", scene, robot)
+    gait = _gait(reader, item.get("gait", "auto"), where("gait"), robot)
+    if not isinstance(gait, str):
+        _check_rows(reader, gait, where("gait"), roles, robot)
     return Phase(
         name=reader.text(item.get("name"), f"{key}.name"),
         kind=reader.choice(item.get("kind", "walk"), f"{key}.kind", ("walk",)),
         cycles=count("cycles", "a number of cycles ≥ 1") or DEFAULT_CYCLES,
         roles=roles,
-        gait=_gait(reader, item.get("gait", "auto"), where("gait"), robot),
+        gait=gait,
         speed=number("speed", "a speed ≥ 0 [m/s]", lambda x: x >= 0),
         heading=number("heading", "an angle [rad]", lambda x: True) or 0.0,
         yaw_rate=number("yaw_rate", "a yaw rate [rad/s]", lambda x: True) or 0.0,
@@ -113,7 +116,8 @@ def _phase(
 
 def _gait(reader: Reader, value: Any, key: str, robot: RobotModel | None) -> str | Mapping[str, str]:
     if not isinstance(value, Mapping):
-        return reader.choice(value, key, METHODS)
+        method: str = reader.choice(value, key, METHODS)
+        return method
     rows = {str(limb): "".join(map(str, row)) if isinstance(row, list | tuple) else str(row)
             for limb, row in value.items()}  # fmt: skip
     for limb, row in rows.items():
@@ -127,6 +131,19 @@ def _gait(reader: Reader, value: Any, key: str, robot: RobotModel | None) -> str
     if missing:
         reader.problem(key, "no row for " + ", ".join(missing), "a row for every limb")
     return rows
+
+
+def _check_rows(
+    reader: Reader, rows: Mapping[str, str], key: str, roles: Mapping[str, Role], robot: RobotModel | None
+) -> None:
+    """A limb that walks stands at some time, one that does not never stands."""
+    carriers = {t.name: t.limb for t in robot.tools} if robot is not None else {}
+    free = {carriers.get(name, name) for name, role in roles.items() if not isinstance(role, Locomotive)}
+    for limb, row in rows.items():
+        if limb in free and "1" in row:
+            reader.problem(f"{key}.{limb}", repr(row), "zeros only: the limb does not walk in this phase")
+        if limb not in free and "1" not in row:
+            reader.problem(f"{key}.{limb}", repr(row), "a 1 at least once, or another role for the limb")
 
 
 def _roles(reader: Reader, value: Any, key: str, scene: Scene, robot: RobotModel | None) -> dict[str, Role]:

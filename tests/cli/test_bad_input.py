@@ -75,7 +75,7 @@ def test_a_folder_that_the_user_had_is_left_as_it_was(gaitforge: Run, tmp_path: 
     assert [p.name for p in mine.iterdir()] == ["notes.txt"]
 
 
-@pytest.fixture()
+@pytest.fixture
 def own_robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A user's folder with a module family and a robot that can be spoilt."""
     folder = tmp_path / "robots"

@@ -64,9 +64,7 @@ def test_the_command_line_reaches_a_phase_that_its_file_says_nothing_about() -> 
     assert task.phases[0].columns == 18
 
 
-def test_a_robot_in_a_folder_of_the_user_is_an_option(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_robot_in_a_folder_of_the_user_is_an_option(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "crab").mkdir()
     (tmp_path / "crab" / "robot.yaml").write_text(robot_files()["hexapod"].read_text())
     monkeypatch.setenv("GAITFORGE_ROBOTS", str(tmp_path))
