@@ -128,9 +128,8 @@ class _Builder:
             if not len(a):
                 continue
             count = len(term.variables)
-            parts.append(
-                ca.vec(term.kernel.second.map(count)(v, p, self._multipliers(term, multiplier_f, multiplier_g)))
-            )
+            multiplier = self._multipliers(term, multiplier_f, multiplier_g)
+            parts.append(ca.vec(term.kernel.second.map(count)(v, p, multiplier)))
             first, second = self.position[term.variables[:, a]].ravel(), self.position[term.variables[:, b]].ravel()
             keep = (first >= 0) & (second >= 0)
             rows.append(np.where(keep, np.minimum(first, second), -1))

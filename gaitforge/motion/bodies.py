@@ -42,7 +42,7 @@ class Closest(NamedTuple):
 
 
 def limb_capsules(robot: RobotModel) -> tuple[LimbCapsule, ...]:
-    """All capsules of the robot, in the frames of the bodies that joints move; tool joints at their nominal position."""
+    """All capsules, in the frames of the bodies that joints move; tool joints at their nominal position."""
     import pinocchio
 
     owner = {link: i for i, limb in enumerate(robot.limbs) for link in limb.links}
@@ -79,7 +79,7 @@ def ends_in_base(capsule: LimbCapsule, poses: dict[int, LimbPoses], samples: int
 
 
 def closest_pairs(capsules: tuple[LimbCapsule, ...], poses: dict[int, LimbPoses], margin: float) -> list[Closest]:
-    """Every pair of capsules on different limbs (or limb and base, first joints' bodies excepted) nearer than `margin`."""
+    """Every pair of capsules on different limbs (or limb and base, first bodies excepted) nearer than `margin`."""
     samples = len(next(iter(poses.values())).foot)
     ends = [ends_in_base(c, poses, samples) for c in capsules]
     found = []

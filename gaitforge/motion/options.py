@@ -43,7 +43,7 @@ class MotionOptions:
     """Most samples a column that refinement may use."""
     stand_seconds: float = 1.0
     """[s] to start from a stand or to stop"""
-    refinements: int = 4
+    refinements: int = 6
     """How often a plan is refined when its spline misses a bound between samples."""
     stability_share: float = 0.4
     """The share in force, one of `stability_shares`."""

@@ -167,10 +167,9 @@ class Problem:
     @property
     def row_bounds(self) -> tuple[Array, Array]:
         """(row_count,) lower and upper bounds of the rows."""
-        empty = [np.zeros(0)]
-        return np.concatenate(empty + [r.lower for r in self.rows]), np.concatenate(
-            empty + [r.upper for r in self.rows]
-        )
+        none = [np.zeros(0)]
+        lower, upper = [r.lower for r in self.rows], [r.upper for r in self.rows]
+        return np.concatenate(none + lower), np.concatenate(none + upper)
 
     def constraint_values(self, x: Array) -> Array:
         """(row_count,) the rows at x, without any solver."""

@@ -60,26 +60,9 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
 
 def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
     """Solve on the asked grid; when the spline pushes feet into the ground, on one that is as fine as needed."""
-    plan, report, remedies = _solve(segment, options, _Remedies(_role_changes(segment)))
     few = int(segment.grid.pattern.contact.sum(axis=0).min()) <= 3
     tolerance = options.ground_tolerance if few else options.ground_tolerance_many
-    now = segment.grid.samples_per_column
-    if report.penetration > tolerance and now < options.finest:
-        finer = min(options.finest, int(np.ceil(now * report.penetration / tolerance)))
-        remedies.clearances.clear()  # their samples are another grid's
-        plan, report, remedies = _solve(segment.on_grid(finer), options, remedies)
-    details = {
-        "refinements": remedies.turns,
-        "samples_per_column": plan.samples_per_column,
-        "stability_share": options.stability_share,
-        **report.as_dict(),
-    }
-    done = replace(plan.report, seconds=remedies.seconds, iterations=remedies.iterations, details=details)
-    return replace(plan, report=done)
-
-
-def _solve(segment: Segment, options: MotionOptions, remedies: _Remedies) -> tuple[MotionPlan, DenseReport, _Remedies]:
-    """Solve and add rows until joint speeds and clearance hold densely."""
+    remedies = _Remedies(_role_changes(segment))
     start: NDArray[np.float64] | None = None
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(options, remedies.families, start)
@@ -88,10 +71,14 @@ def _solve(segment: Segment, options: MotionOptions, remedies: _Remedies) -> tup
         if not solution.solved:
             raise _unsolved(segment, solution, turn)
         report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
-        if not _remedy(segment, options, report, remedies):
-            return plan, report, remedies
+        now, start = segment.grid.samples_per_column, solution.x
+        if report.penetration > tolerance and now < options.finest:
+            finer = min(options.finest, int(np.ceil(now * report.penetration / tolerance)))
+            segment, start = segment.on_grid(finer), None
+            remedies.clearances.clear()  # their samples are another grid's
+        elif not _remedy(segment, options, report, remedies):
+            return _reported(plan, options, report, remedies)
         remedies.turns += 1
-        start = solution.x
     raise UnsolvedError(
         f"{segment.name}: after {options.refinements} refinements the spline still misses a bound: {_missed(report)}",
         {
@@ -101,6 +88,17 @@ def _solve(segment: Segment, options: MotionOptions, remedies: _Remedies) -> tup
             **report.as_dict(),
         },
     )
+
+
+def _reported(plan: MotionPlan, options: MotionOptions, report: DenseReport, remedies: _Remedies) -> MotionPlan:
+    details = {
+        "refinements": remedies.turns,
+        "samples_per_column": plan.samples_per_column,
+        "stability_share": options.stability_share,
+        **report.as_dict(),
+    }
+    done = replace(plan.report, seconds=remedies.seconds, iterations=remedies.iterations, details=details)
+    return replace(plan, report=done)
 
 
 def _role_changes(segment: Segment) -> dict[int, float]:

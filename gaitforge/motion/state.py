@@ -20,7 +20,8 @@ def gait_state(robot: RobotModel, gait: MotionPlan, yaw: float = 0.0) -> Boundar
     for vector in (base, velocity, com):
         vector[:2] = turn @ vector[:2]
     base[5] += yaw
-    return Boundary(gait.joint_positions[:, 0].copy(), np.array(gait.joint_spline(0.0, 1)), base, velocity, com)
+    ground = gait.pattern.contact[:, 0] | gait.pattern.contact[:, -1]
+    return Boundary(gait.joint_positions[:, 0].copy(), np.array(gait.joint_spline(0.0, 1)), base, velocity, com, ground)
 
 
 def com_velocity(robot: RobotModel, plan: MotionPlan, t: float) -> Array:
@@ -37,4 +38,5 @@ def com_velocity(robot: RobotModel, plan: MotionPlan, t: float) -> Array:
 
 def rest_state(robot: RobotModel, joints: Array, base: Array) -> Boundary:
     """Standing still, in a pose that the optimiser chooses near the given one."""
-    return Boundary(joints, np.zeros(len(joints)), base, np.zeros(6), np.zeros(3), rest=True)
+    nowhere = np.zeros(len(robot.limbs), dtype=bool)
+    return Boundary(joints, np.zeros(len(joints)), base, np.zeros(6), np.zeros(3), nowhere, rest=True)

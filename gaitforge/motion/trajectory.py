@@ -36,6 +36,8 @@ class Boundary:
     """(6,)"""
     com_velocity: Array
     """(3,) [m/s]"""
+    ground: Bools
+    """(n_F,) feet that are on the ground here, seen from across the seam"""
     rest: bool = False
 
 
@@ -85,6 +87,9 @@ class Discretisation:
         ground = np.zeros((self.samples, held.shape[1]), dtype=bool)
         ground[:-1] |= held
         ground[1:] |= held
+        for at, end in ((0, self.start), (-1, self.end)):
+            if end is not None:
+                ground[at] |= end.ground
         return ground
 
     @property

@@ -7,7 +7,7 @@ limbs and samples, is all the symbolic kinematics there is.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,7 +42,7 @@ def parameter_size(joints: int) -> int:
     return JOINT_PARAMETERS * joints + 3
 
 
-@lru_cache(maxsize=None)
+@cache
 def _rodrigues() -> Any:
     import casadi as ca
 
@@ -140,7 +140,7 @@ def base_body(robot: RobotModel) -> tuple[float, Array]:
     return float(inertia.mass), float(inertia.mass) * np.array(inertia.lever)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _numeric(joints: int) -> Any:
     import casadi as ca
 
