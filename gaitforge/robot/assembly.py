@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,8 @@ from typing import Any
 from gaitforge.errors import InputError, Problem
 from gaitforge.resources import module_dirs
 from gaitforge.robot.limbs import Foot
-from gaitforge.robot.module import Catalogue, Module, catalogue
+from gaitforge.robot.module import Module
+from gaitforge.robot.module_read import Catalogue, catalogue
 from gaitforge.robot.read import Section
 
 LIMB_NAME = re.compile(r"[LRM][1-9][0-9]*")
@@ -150,7 +150,6 @@ class _Shop:
 
 def _mounts(top: Section, shop: _Shop) -> list[Mount]:
     mounts: list[Mount] = []
-    taken: dict[str, str] = {}
     for name, s in top.children("limbs").items():
         s.only("chain", "mounts", "mirrored")
         chain, mirrored = s.data.get("chain"), s.data.get("mirrored", [])
@@ -162,18 +161,19 @@ def _mounts(top: Section, shop: _Shop) -> list[Mount]:
             s.problem("mirrored", repr(mirrored), "a list of limbs from mounts: " + ", ".join(ports.data))
             mirrored = []
         for limb in ports.data:
-            key = ports.at(limb)
-            if not LIMB_NAME.fullmatch(limb):
-                ports.problem(limb, repr(limb), "a limb name: L1, L2, …, R1, …, or M1, … on the midline")
-            if limb in taken:
-                ports.problem(limb, f"the limb {limb} again", f"each limb once; it is in {taken[limb]} already")
-            taken.setdefault(limb, s.at("mounts"))
+            _check_name(ports, limb, [m.limb for m in mounts])
             parts = [shop.part(raw, f"limbs.{name}.chain[{i}]", limb in mirrored) for i, raw in enumerate(chain)]
             whole = tuple(p for p in parts if p is not None)
-            mounts.append(Mount(limb, ports.text(limb), whole, (), limb in mirrored, key))
-    unique = dict.fromkeys(top.problems)
-    top.problems[:] = list(unique)
+            mounts.append(Mount(limb, ports.text(limb), whole, (), limb in mirrored, ports.at(limb)))
+    top.problems[:] = dict.fromkeys(top.problems)  # a chain is read once for each limb that it is mounted as
     return mounts
+
+
+def _check_name(ports: Section, limb: str, taken: list[str]) -> None:
+    if not LIMB_NAME.fullmatch(limb):
+        ports.problem(limb, repr(limb), "a limb name: L1, L2, …, R1, …, or M1, … on the midline")
+    if limb in taken:
+        ports.problem(limb, f"the limb {limb} again", "each limb once")
 
 
 def _with_tools(top: Section, shop: _Shop, mounts: list[Mount]) -> list[Mount]:
@@ -188,9 +188,7 @@ def _with_tools(top: Section, shop: _Shop, mounts: list[Mount]) -> list[Mount]:
         chains[limb] = tuple(p for p in parts if p is not None)
         if len(parts) == len(chains[limb]) and chains[limb][-1].module.kind not in ("gripper", "camera"):
             tools.problem(limb, f"a {chains[limb][-1].module.kind} at the end", "a gripper or a camera")
-    return [
-        Mount(m.limb, m.port, m.chain, chains.get(m.limb, ()), m.mirrored, m.key) for m in mounts
-    ]
+    return [Mount(m.limb, m.port, m.chain, chains.get(m.limb, ()), m.mirrored, m.key) for m in mounts]
 
 
 def _as_list(raw: Any) -> list[Any]:
@@ -210,8 +208,3 @@ def read_feet(top: Section) -> tuple[GivenFoot, ...]:
         side = s.text("side", ("left", "right", "middle")) if "side" in s else ""
         feet.append(GivenFoot(foot, limb, side))
     return tuple(feet)
-
-
-def ports_of(assembly: Assembly) -> Mapping[str, str]:
-    """Limb → port of the chassis."""
-    return {m.limb: m.port for m in assembly.mounts}

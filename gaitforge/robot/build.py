@@ -92,9 +92,7 @@ def build(assembly: Assembly) -> Built:
     if site.problems:
         raise InputError(dict.fromkeys(site.problems))
     links = tuple(Link(n, merged(site.inertias[n]), tuple(site.shapes[n])) for n in site.inertias)
-    return Built(
-        RigidTree(assembly.name, links, tuple(site.joints)), site.feet, tuple(site.tools), len(site.joints)
-    )
+    return Built(RigidTree(assembly.name, links, tuple(site.joints)), site.feet, tuple(site.tools), len(site.joints))
 
 
 def _limb(site: _Site, mount: Mount, place: _Place, kinds: Counter[str]) -> None:

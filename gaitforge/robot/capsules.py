@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -68,4 +69,5 @@ def mesh_vertices(file: str) -> Array:
     """(n, 3) vertices of a mesh file, unscaled [m]."""
     import trimesh
 
-    return np.asarray(trimesh.load(file, force="mesh").vertices, dtype=float)
+    mesh: Any = trimesh.load(file, force="mesh")
+    return np.array(mesh.vertices, dtype=np.float64)

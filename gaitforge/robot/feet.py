@@ -68,7 +68,7 @@ def _tip(link: Link, notes: list[str]) -> Foot | None:
     along = point / np.linalg.norm(point)
     beyond = max(float((bounds(s) @ along).max()) for s in solid) - float(np.linalg.norm(point))
     radius = min(max(beyond, 0.005), 0.06)
-    notes.append(f"link {link.name}: no collision sphere; its foot is taken at {end.name} with a radius of {radius:.3f} m")
+    notes.append(f"link {link.name}: no collision sphere; its foot is taken at {end.name}, radius {radius:.3f} m")
     x, y, z = (float(v) for v in point)
     return Foot(link.name, (x, y, z), radius)
 

@@ -64,7 +64,7 @@ class Shape:
     """(4, 4) in the body frame"""
     file: str = ""
     """Path of a mesh."""
-    color: tuple[float, float, float, float] | None = None
+    color: tuple[float, ...] | None = None
     """rgba, 0…1"""
     mass: float | None = None
     """[kg] of this shape alone; None: the body's mass is spread by volume"""

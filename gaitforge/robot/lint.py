@@ -7,11 +7,12 @@ is not physical becomes zero there, a joint without effort cannot move.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from gaitforge.errors import InputError, Problem
 from gaitforge.robot.capsules import bounds
 from gaitforge.robot.geometry import inertia_defect
 from gaitforge.robot.tree import Joint, Link, RigidTree
@@ -30,6 +31,13 @@ class Finding:
 
     def __str__(self) -> str:
         return f"{self.key}: found {self.found}; expected {self.expected}"
+
+
+def refuse(findings: Iterable[Finding], file: str) -> None:
+    """InputError with every fatal finding, if there is one."""
+    fatal = [Problem(file, f.key, f.found, f.expected) for f in findings if f.fatal]
+    if fatal:
+        raise InputError(fatal)
 
 
 def lint_structure(tree: RigidTree) -> tuple[Finding, ...]:

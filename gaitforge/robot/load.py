@@ -14,6 +14,7 @@ from gaitforge.robot.assembly import Assembly, GivenFoot, read_assembly
 from gaitforge.robot.build import BASE, Built, build
 from gaitforge.robot.capsules import limb_capsules
 from gaitforge.robot.limbs import Limb, ToolMount
+from gaitforge.robot.lint import lint, refuse
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.nominal import read_nominal
 from gaitforge.robot.read import Section, check_format, load_yaml
@@ -57,9 +58,11 @@ def _name(path: Path) -> str:
 
 def _from_assembly(assembly: Assembly, top: Section) -> RobotModel:
     built = build(assembly)
+    findings = lint(built.tree)
+    refuse(findings, assembly.file)
     tools = {m.limb: tuple(t.name for t in built.tools if t.limb == m.limb) for m in assembly.mounts}
     limbs = recognize(built.tree, _feet(assembly, built), assembly.file, tools)
-    return _model(built.tree, limbs, top, built)
+    return _model(built.tree, limbs, top, built, tuple(str(f) for f in findings))
 
 
 def _from_urdf(path: Path, top: Section) -> RobotModel:

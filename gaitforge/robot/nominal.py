@@ -11,7 +11,7 @@ from gaitforge.robot.model import Nominal
 from gaitforge.robot.posture import held as default_held
 from gaitforge.robot.posture import standing as default_standing
 from gaitforge.robot.read import Section
-from gaitforge.robot.tree import Joint, RigidTree
+from gaitforge.robot.tree import RigidTree
 
 GAITS = ("tripod", "wave", "program")
 _SIDES = ("left", "right", "middle")
@@ -26,20 +26,11 @@ UNEVEN = 0.02
 def read_nominal(s: Section, tree: RigidTree, limbs: Sequence[Limb], joint_names: Sequence[str]) -> Nominal:
     """The block checked against the robot; notes problems in the section."""
     s.only(*_KEYS)
-    joints = {j.name: j for j in tree.joints}
-    rest = {n: float(np.clip(0.0, j.lower, j.upper)) for n, j in joints.items()}
-    standing = _posture(s, "posture", limbs, joints, rest if "posture" in s else rest | default_standing(tree, limbs))
-    heights = foot_bottoms(tree, limbs, standing)
-    ground = min(heights.values())
-    if "posture" in s and max(heights.values()) - ground > UNEVEN:
-        found = ", ".join(f"{n} {1e3 * (h - ground):.0f} mm" for n, h in heights.items())
-        s.problem("posture", f"feet at heights {found}", f"all feet on the ground, within {1e3 * UNEVEN:.0f} mm")
-    raised = standing if "held_posture" in s else default_held(tree, limbs, standing)
-    held = _posture(s, "held_posture", limbs, joints, raised)
-    names = list(joint_names)
+    standing, ground = _standing(s, tree, limbs)
+    held = _held(s, tree, limbs, standing)
     return Nominal(
-        posture=np.array([standing[n] for n in names]),
-        held_posture=np.array([held[n] for n in names]),
+        posture=np.array([standing[n] for n in joint_names]),
+        held_posture=np.array([held[n] for n in joint_names]),
         body_height=-ground,
         speed=s.number("speed", "m/s", 0.064, above=0.0),
         duration=s.number("duration", "s", 2.0, above=0.0),
@@ -49,6 +40,27 @@ def read_nominal(s: Section, tree: RigidTree, limbs: Sequence[Limb], joint_names
         transition_columns=s.integer("transition_columns", 11, 2),
         transition_column_s=s.number("transition_column_s", "s", 0.125, above=0.0),
     )
+
+
+def _standing(s: Section, tree: RigidTree, limbs: Sequence[Limb]) -> tuple[dict[str, float], float]:
+    """Joint → angle [rad], and the height of the ground in the base frame [m]."""
+    rest = {j.name: float(np.clip(0.0, j.lower, j.upper)) for j in tree.joints}
+    if "posture" not in s:
+        rest |= default_standing(tree, limbs)
+    angles = _posture(s, "posture", limbs, tree, rest)
+    heights = foot_bottoms(tree, limbs, angles)
+    ground = min(heights.values())
+    if "posture" in s and max(heights.values()) - ground > UNEVEN:
+        found = ", ".join(f"{n} {1e3 * (h - ground):.0f} mm" for n, h in heights.items())
+        s.problem("posture", f"feet at heights {found}", f"all feet on the ground, within {1e3 * UNEVEN:.0f} mm")
+    return angles, ground
+
+
+def _held(s: Section, tree: RigidTree, limbs: Sequence[Limb], standing: dict[str, float]) -> dict[str, float]:
+    """Joint → angle [rad]; a limb that the block does not speak of gets a raised posture of its own."""
+    given = s.child("held_posture")
+    others = [x for x in limbs if x.name not in given and x.side not in given]
+    return _posture(s, "held_posture", limbs, tree, default_held(tree, others, standing) if others else standing)
 
 
 def foot_bottoms(tree: RigidTree, limbs: Sequence[Limb], angles: Mapping[str, float]) -> dict[str, float]:
@@ -61,10 +73,10 @@ def foot_bottoms(tree: RigidTree, limbs: Sequence[Limb], angles: Mapping[str, fl
 
 
 def _posture(
-    s: Section, key: str, limbs: Sequence[Limb], joints: Mapping[str, Joint], rest: Mapping[str, float]
+    s: Section, key: str, limbs: Sequence[Limb], tree: RigidTree, rest: Mapping[str, float]
 ) -> dict[str, float]:
     """Joint → angle [rad]: `rest`, overruled by the limb's side, overruled by the limb itself."""
-    angles = dict(rest)
+    angles, joints = dict(rest), {j.name: j for j in tree.joints}
     block = s.child(key)
     names = [x.name for x in limbs]
     for name in block.data:
@@ -88,4 +100,3 @@ def _posture(
 def _long(raw: object, limb: Limb) -> bool:
     """Does a posture speak of the limb's tool joints too?"""
     return isinstance(raw, list) and len(raw) == len(limb.joints) + len(limb.tool_joints)
-

@@ -92,7 +92,7 @@ def held(tree: RigidTree, limbs: Sequence[Limb], stand: dict[str, float]) -> dic
 
 
 def reach(chain: Chain, goal: Array, near: Array) -> Array:
-    """(n,) joint positions that bring the foot to `goal` (3,) [m] or as near as can be; of several, closest to `near`."""
+    """(n,) joint positions that bring the foot to `goal` (3,) [m] or as near as can be; of several, next to `near`."""
     from scipy.optimize import least_squares
 
     margin = 0.02 * (chain.upper - chain.lower)

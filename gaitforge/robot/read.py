@@ -17,7 +17,7 @@ FORMAT = 1
 """Version of the module and assembly formats that this gaitforge reads."""
 
 
-class _Loader(yaml.SafeLoader):
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]
     """YAML as people expect it: 1e-4 is a number, only true/false are booleans, a repeated key is an error."""
 
 
@@ -34,7 +34,7 @@ _Loader.add_implicit_resolver(
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
     seen: set[Any] = set()
     for key_node, _ in node.value:
-        key = loader.construct_object(key_node, deep=True)  # type: ignore[no-untyped-call]
+        key = loader.construct_object(key_node, deep=True)
         if not isinstance(key, str | int | float):
             raise yaml.constructor.ConstructorError(None, None, "a key is not a plain word", key_node.start_mark)
         if key in seen:
@@ -49,7 +49,7 @@ _Loader.add_constructor("tag:yaml.org,2002:map", _mapping)
 def load_yaml(path: Path) -> dict[str, Any]:
     """The mapping in a YAML file; InputError when it cannot be read, is not YAML or not a mapping."""
     try:
-        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)  # noqa: S506 - a SafeLoader
+        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
     except yaml.MarkedYAMLError as error:
         where = f"line {error.problem_mark.line + 1}" if error.problem_mark else ""
         raise InputError(Problem(str(path), where, error.problem or "no YAML", "YAML, each key once")) from error
@@ -143,7 +143,12 @@ class Section:
         return bool(value)
 
     def number(
-        self, key: str, unit: str = "", default: float | None = None, above: float | None = None, least: float | None = None
+        self,
+        key: str,
+        unit: str = "",
+        default: float | None = None,
+        above: float | None = None,
+        least: float | None = None,
     ) -> float:
         """A finite number [unit], > `above`, ≥ `least`; without a default it must be there."""
         if key not in self.data and default is not None:

@@ -51,7 +51,7 @@ def recognize(
             if f.limb and f.limb != name:
                 expected = f"{name}: limb {number} from the front on the {side} side"
                 raise InputError(Problem(file, f"limbs: {f.limb}", f"{f.limb} at {_words(f.hip)}", expected))
-            limbs.append(_limb(tree, name, side, f, (tools or {}).get(name, ())))  # type: ignore[arg-type]
+            limbs.append(_limb(tree, name, side, f, (tools or {}).get(name, ())))
     return tuple(limbs)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from gaitforge.errors import InputError, Problem
 from gaitforge.robot.assembly import GivenFoot, read_feet
 from gaitforge.robot.feet import find_feet
-from gaitforge.robot.lint import Finding, lint, lint_structure
+from gaitforge.robot.lint import lint, lint_structure, refuse
 from gaitforge.robot.read import Section
 from gaitforge.robot.read_urdf import read_urdf
 from gaitforge.robot.tree import RigidTree, rigid_groups
@@ -43,25 +43,20 @@ def read_plain(path: Path, top: Section) -> Plain:
     """
     raw, notes = read_urdf(path)
     structure = lint_structure(raw)
-    _refuse(structure, path)
+    refuse(structure, str(path))
     tree = _with_limits(rigid_groups(raw), top)
     findings = (*structure, *lint(tree))
-    _refuse(findings, path)
+    refuse(findings, str(path))
     given = _on_groups(tree, read_feet(top))
     top.raise_problems()
     found = find_feet(tree)
     feet = given or found.feet
     if not feet:
+        notes_text = "no foot: " + ("; ".join(found.notes) or "no terminal link has contact geometry")
         expected = "feet: a list of {link, offset, radius} in a robot.yaml beside the URDF"
-        raise InputError(Problem(str(path), "feet", "no foot: " + ("; ".join(found.notes) or "no leaf touches"), expected))
+        raise InputError(Problem(str(path), "feet", notes_text, expected))
     warnings = (*notes, *(str(f) for f in findings if not f.fatal), *(() if given else found.notes))
     return Plain(replace(tree, name=top.text("name", default=tree.name)), tuple(feet), warnings)
-
-
-def _refuse(findings: Sequence[Finding], path: Path) -> None:
-    fatal = [Problem(str(path), f.key, f.found, f.expected) for f in findings if f.fatal]
-    if fatal:
-        raise InputError(fatal)
 
 
 def _with_limits(tree: RigidTree, top: Section) -> RigidTree:
@@ -74,8 +69,9 @@ def _with_limits(tree: RigidTree, top: Section) -> RigidTree:
             s.problem("", f"the joint {name!r}", "all, or one of " + ", ".join(names))
     joints = []
     for joint in tree.joints:
-        for s in (given.get("all"), given.get(joint.name)):
-            if s is not None:
+        for key in ("all", joint.name):
+            if key in given:
+                s = given[key]
                 joint = replace(
                     joint,
                     lower=s.number("lower", "rad", joint.lower),

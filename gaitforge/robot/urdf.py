@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
 import numpy as np
 
-from gaitforge.robot.geometry import Array, Shape, clean
+from gaitforge.robot.geometry import Shape, clean
 from gaitforge.robot.tree import Joint, Link, RigidTree
 
 MAX_LINKS = 127
@@ -16,15 +17,14 @@ MAX_LINKS = 127
 def urdf_text(tree: RigidTree) -> str:
     """The URDF of a tree: pretty-printed (PyBullet refuses one long line), metres, kilograms, radians."""
     import yourdfpy
-    from lxml import etree
 
     robot = yourdfpy.Robot(
         name=tree.name, links=[_link(x) for x in tree.links], joints=[_joint(x) for x in tree.joints]
     )
     writer = yourdfpy.URDF(robot, build_scene_graph=False, load_meshes=False)
-    root = writer.write_xml().getroot()
-    text: bytes = etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="utf-8")
-    return text.decode("utf-8")
+    text = io.BytesIO()
+    writer.write_xml().write(text, pretty_print=True, xml_declaration=True, encoding="utf-8")
+    return text.getvalue().decode("utf-8")
 
 
 def _link(link: Link) -> Any:
@@ -77,12 +77,8 @@ def _joint(joint: Joint) -> Any:
         type=joint.type,
         parent=joint.parent,
         child=joint.child,
-        origin=_exact(joint.origin),
+        origin=clean(joint.origin),
         axis=np.array(joint.axis),
         dynamics=yourdfpy.Dynamics(damping=joint.damping, friction=joint.friction),
         limit=yourdfpy.Limit(effort=joint.effort, velocity=joint.velocity, lower=joint.lower, upper=joint.upper),
     )
-
-
-def _exact(T: Array) -> Array:
-    return clean(T)

@@ -23,7 +23,10 @@ def changed(text: str, *pairs: tuple[str, str]) -> str:
 
 
 def write_robot(
-    folder: Path, robot: str = "hexapod", *pairs: tuple[str, str], modules: dict[str, list[tuple[str, str]]] | None = None
+    folder: Path,
+    robot: str = "hexapod",
+    *pairs: tuple[str, str],
+    modules: dict[str, list[tuple[str, str]]] | None = None,
 ) -> Path:
     """A shipped robot with its modules in `folder`, some lines of its YAML or of its modules changed."""
     text = shipped(robot)

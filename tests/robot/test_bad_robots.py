@@ -76,8 +76,8 @@ ROBOT_CASES = {
 MODULE_CASES = {
     "a negative mass": ("extension", [("mass: 0.05 ", "mass: -0.05 ")], "bodies.body.mass", "-0.05", "≥ 0"),
     "an inertia that is not definite": (
-        "joint", [("ixx: 5.48e-5, iyy: 5.48e-5", "ixx: -5.48e-5, iyy: 5.48e-5")], "bodies.input.inertia", "not positive",
-        "definite",
+        "joint", [("ixx: 5.48e-5, iyy: 5.48e-5", "ixx: -5.48e-5, iyy: 5.48e-5")], "bodies.input.inertia",
+        "not positive", "definite",
     ),
     "an inertia against the triangle inequality": (
         "joint", [("izz: 3.48e-5", "izz: 3.48e-4")], "bodies.input.inertia", "triangle", "a + b",
@@ -87,7 +87,8 @@ MODULE_CASES = {
     "a negative velocity": ("joint", [("velocity: 2.208932", "velocity: -1")], "joint.velocity", "-1", "> 0"),
     "a misspelt key": ("joint", [("velocity:", "velocty:")], "joint.velocty", "unknown key", "did you mean 'velocity'"),
     "an axis that is no unit vector": ("joint", [("axis: [0, 1, 0]", "axis: [0, 2, 0]")], "joint.axis", "2", "unit"),
-    "a body that does not exist": ("joint", [("child: output", "child: rotor")], "joint.child", "'rotor'", "input, output"),
+    "a body that does not exist": ("joint", [("child: output", "child: rotor")], "joint.child", "'rotor'",
+                                   "input, output"),
     "an unknown kind": ("extension", [("kind: tube", "kind: pipe")], "kind", "'pipe'", "tube"),
     "a port of another type": (
         "extension", [("in: {type: sea", "in: {type: hebi")], "limbs.leg.chain[2]", "type hebi", "type sea",

@@ -59,8 +59,10 @@ def test_limbs_are_named_from_front_to_rear_on_the_side_where_they_are(robot: Ro
     half = len(robot.limbs) // 2
     assert robot.limb_names == tuple(f"{s}{i + 1}" for s in "LR" for i in range(half))
     assert [x.side for x in robot.limbs] == ["left"] * half + ["right"] * half
-    assert (feet[:half, 1] > 0.0).all() and (feet[half:, 1] < 0.0).all()
-    assert (np.diff(feet[:half, 0]) < 0.0).all() and (np.diff(feet[half:, 0]) < 0.0).all()
+    assert (feet[:half, 1] > 0.0).all()
+    assert (feet[half:, 1] < 0.0).all()
+    assert (np.diff(feet[:half, 0]) < 0.0).all()
+    assert (np.diff(feet[half:, 0]) < 0.0).all()
 
 
 def test_joints_are_in_the_order_of_limbs_and_no_joint_shares_a_name_with_a_link(robot: RobotModel) -> None:
@@ -79,7 +81,7 @@ def test_joints_are_in_the_order_of_limbs_and_no_joint_shares_a_name_with_a_link
     assert all(x.inertial is not None and x.inertial.mass > 0.0 for x in root.links)
 
 
-def _file(text: str):  # noqa: ANN202
+def _file(text: str):
     import io
 
     return io.BytesIO(text.encode())
@@ -94,8 +96,10 @@ def test_the_hexapods_legs_have_the_papers_lengths() -> None:
     assert foot - pose[2] == pytest.approx([0.0, 0.0718, -0.146], abs=1e-9)
     assert robot.nominal.body_height == pytest.approx(0.1333, abs=1e-9)
     walking = [robot.joint_names.index(j) for x in robot.limbs for j in x.joints]
-    assert (robot.effort[walking] == 7.0).all() and (robot.velocity == 2.208932).all()
-    assert (robot.upper == 1.57).all() and (robot.lower == -1.57).all()
+    assert (robot.effort[walking] == 7.0).all()
+    assert (robot.velocity == 2.208932).all()
+    assert (robot.upper == 1.57).all()
+    assert (robot.lower == -1.57).all()
     assert {robot.effort[robot.joint_names.index(f"{x}_gripper")] for x in ("L1", "R1")} == {1.5}
 
 
@@ -163,7 +167,8 @@ def clearance(robot: RobotModel, q: np.ndarray, one: str, other: str) -> float:
 def test_the_camera_looks_level_and_straight_ahead_over_the_front_limbs() -> None:
     robot = load_robot("dodecapod")
     camera = robot.tool("R2")
-    assert camera is not None and camera.limb == robot.limb("camera").name == "R2"
+    assert camera is not None
+    assert camera.limb == robot.limb("camera").name == "R2"
     q = with_limb(robot, "R2", robot.nominal.held_posture)
     T = robot.link_pose(camera.link, standing_base(robot), q) @ camera.T_link_tool
     assert T[:3, 2] == pytest.approx([1.0, 0.0, 0.0], abs=1e-4), "optical axis ahead"
@@ -212,18 +217,19 @@ def _foot_jacobian(robot: RobotModel, q: np.ndarray, index: int) -> np.ndarray:
 
 
 def test_the_urdf_is_the_same_to_the_byte_in_every_process() -> None:
-    code = "from gaitforge.robot.load import load_robot as f\nfor n in ('hexapod', 'dodecapod', 'quadruped'): print(f(n).urdf)"
+    code = f"from gaitforge.robot.load import load_robot\nfor name in {ROBOTS}: print(load_robot(name).urdf)"
     texts = []
     for seed in ("1", "2"):
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-        texts.append(subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True).stdout)
+        run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
+        texts.append(run.stdout)
     assert texts[0] == texts[1]
     assert texts[0].count(b"<robot ") == 3
 
 
 @pytest.mark.parametrize("family", ["cmu_sea", "hebi"])
 def test_every_module_of_the_catalogue_loads_and_names_its_source(family: str) -> None:
-    from gaitforge.robot.module import load_module
+    from gaitforge.robot.module_read import load_module
 
     files = sorted(module_dirs()[family].glob("*.yaml"))
     assert len(files) >= 8

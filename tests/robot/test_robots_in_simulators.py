@@ -51,7 +51,7 @@ def by_hand(robot: RobotModel, q: np.ndarray) -> np.ndarray:
 
 
 @pytest.fixture(params=["hexapod", "dodecapod", "quadruped"])
-def loaded(request: pytest.FixtureRequest, tmp_path: Path):  # noqa: ANN201
+def loaded(request: pytest.FixtureRequest, tmp_path: Path):
     import pybullet as p
 
     robot = load_robot(request.param)
@@ -63,7 +63,7 @@ def loaded(request: pytest.FixtureRequest, tmp_path: Path):  # noqa: ANN201
     p.disconnect(client)
 
 
-def test_both_weigh_what_the_modules_weigh(loaded) -> None:  # noqa: ANN001
+def test_both_weigh_what_the_modules_weigh(loaded) -> None:
     import pybullet as p
 
     robot, client, body = loaded
@@ -73,7 +73,7 @@ def test_both_weigh_what_the_modules_weigh(loaded) -> None:  # noqa: ANN001
     assert sum(masses) == pytest.approx(robot.mass, abs=1e-9)
 
 
-def test_feet_are_where_trigonometry_puts_them(loaded) -> None:  # noqa: ANN001
+def test_feet_are_where_trigonometry_puts_them(loaded) -> None:
     import pybullet as p
 
     robot, client, body = loaded
@@ -94,7 +94,7 @@ def test_feet_are_where_trigonometry_puts_them(loaded) -> None:  # noqa: ANN001
         assert np.abs(np.array(bullet) - expected).max() < 1e-6
 
 
-def test_nothing_but_the_feet_touches_anything_when_standing(loaded) -> None:  # noqa: ANN001
+def test_nothing_but_the_feet_touches_anything_when_standing(loaded) -> None:
     """Standing in PyBullet with self-collision: every foot carries, no limb touches the ground or another limb."""
     import pybullet as p
 
@@ -117,7 +117,7 @@ def test_nothing_but_the_feet_touches_anything_when_standing(loaded) -> None:  #
     assert not [c for c in p.getContactPoints(body, body, physicsClientId=client) if c[9] > 0.0]
 
 
-def _spawn(p, robot: RobotModel, client: int) -> int:  # noqa: ANN001
+def _spawn(p, robot: RobotModel, client: int) -> int:
     import tempfile
 
     with tempfile.NamedTemporaryFile("w", suffix=".urdf") as file:
@@ -129,14 +129,14 @@ def _spawn(p, robot: RobotModel, client: int) -> int:  # noqa: ANN001
     return int(body)
 
 
-def place_base(p, body: int, height: float, client: int) -> None:  # noqa: ANN001
+def place_base(p, body: int, height: float, client: int) -> None:
     """base_link level at a height; PyBullet's base pose is the one of its centre of mass and principal axes."""
     info = p.getDynamicsInfo(body, -1, physicsClientId=client)
     com = [info[3][0], info[3][1], info[3][2] + height]
     p.resetBasePositionAndOrientation(body, com, info[4], physicsClientId=client)
 
 
-def _in_bullet_order(p, robot: RobotModel, body: int, client: int) -> list[float]:  # noqa: ANN001
+def _in_bullet_order(p, robot: RobotModel, body: int, client: int) -> list[float]:
     posture = dict(zip(robot.joint_names, robot.nominal.posture, strict=True))
     count = len(robot.joint_names)
     return [posture[p.getJointInfo(body, i, physicsClientId=client)[1].decode()] for i in range(count)]
