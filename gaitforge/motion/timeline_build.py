@@ -32,10 +32,10 @@ def build_timeline(
     ground for good, they are blended in.  Raises `InputError` for targets that do not exist.
     """
     entries: list[Entry] = []
-    start, origin = 0.0, np.zeros(3)
+    start = 0.0
     for plan, cycles in segments:
-        if entries:
-            origin = _origin(plan, _last_pose(entries[-1]))
+        # A gait is the same gait anywhere, so the optimiser leaves open where along x it lies.
+        origin = _origin(plan, _last_pose(entries[-1]) if entries else np.zeros(6))
         entries.append(Entry(plan, cycles, start, origin))
         start = entries[-1].end
     plain = Timeline(robot, tuple(entries))
@@ -85,13 +85,17 @@ def _aims(robot: RobotModel, timeline: Timeline, scene: Scene) -> list[tuple[Aim
                 index += 1
             if tool is None or not isinstance(role, Tool) or role.frame != "world":
                 continue
-            walks = [bool(timeline.entries[i].plan.pattern.row(limb.name).any()) for i in range(first, index)]
-            settled = next((first + i for i, walking in enumerate(walks) if not walking), None)
+            settled = next((i for i in range(first, index) if _is_free(timeline.entries[i], limb)), None)
             if settled is None:
                 continue
             begin, end = timeline.entries[settled].start, timeline.entries[index - 1].end
             found.append((Aim(limb.name, tool.name, tool_target(role, scene), begin, end), (settled, index)))
     return found
+
+
+def _is_free(entry: Entry, limb: Limb) -> bool:
+    """Has the limb nothing else to do?  In a transition, stance or not, it is on its way from its last step."""
+    return entry.plan.kind != "transition" and not entry.plan.pattern.row(limb.name).any()
 
 
 def _override(
