@@ -15,6 +15,7 @@ import numpy as np
 from gaitforge.errors import InfeasibleFootfall, InputError, Problem
 from gaitforge.footfall.constraints import ConstraintSet, Families, with_problem_families
 from gaitforge.footfall.from_robot import gait_problem, limbs_named, pattern_of, transition_problem
+from gaitforge.footfall.gaps import needs_gaps, with_gaps
 from gaitforge.footfall.given import alternating
 from gaitforge.footfall.model import can_be_turned, check_pattern, check_problem
 from gaitforge.footfall.pattern import FootfallPattern
@@ -241,9 +242,15 @@ def _waves(
 def _program(
     problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int
 ) -> tuple[FootfallPattern, ...]:
-    """Ties of the periodic program, each gait once, best first."""
+    """Ties of the periodic program, each gait once, best first; with gaps before without where feet are few."""
     best = solve(problem, families, options)
-    return ranked(ties(problem, families, best, options), problem, travel)[:limit]
+    found: list[FootfallPattern] = []
+    for tie in ranked(ties(problem, families, best, options), problem, travel)[:limit]:
+        gapped = at_grounded_seam(with_gaps(tie))
+        if needs_gaps(tie) and passes(gapped.contact, problem, families):
+            found.append(gapped)
+        found.append(tie)
+    return tuple(found[:limit])
 
 
 def _unfit(

@@ -37,7 +37,8 @@ class PyBulletSimulator:
 
     rate_hz: float = 240.0
     """[Hz] steps per second; position_gain is a share per step, so keep the two together"""
-    solver_iterations: int = 100
+    solver_iterations: int = 500
+    """[-] of the contact solver; twelve stiff limbs slide 10 mm a stance with 100 and 4 mm when it has converged"""
     position_gain: float = 0.3
     """[-] share of a joint's error that the servo makes good in one step"""
     velocity_feedforward: float = 1.0
