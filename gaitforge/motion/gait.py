@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.aim import aim_joints
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.trajectory import Discretisation, Guess, planar_motion
 from gaitforge.robot.model import RobotModel
-from gaitforge.task.roles import Held, Role
+from gaitforge.task.roles import Held, Role, Tool
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,7 @@ def plan_gait(
     samples_per_column: int | None = None,
     roles: Mapping[str, Role] | None = None,
     postures: Mapping[str, Array] | None = None,
+    expected_base: tuple[float, float, float] = (0.0, 0.0, 0.0),
     step_height: float | None = None,
     name: str = "gait",
     options: MotionOptions | None = None,
@@ -40,8 +42,10 @@ def plan_gait(
 
     `speed` [m/s], `heading` [rad] of the velocity in the body frame, `yaw_rate` [rad/s], `duration`
     [s] of one cycle; None takes the robot's nominal value.  `roles`: limb or tool name → what a limb
-    that does not walk is for; `postures`: limb name → its joint positions (n,) [rad] (the mean
-    posture of a tool limb, or where a failed limb is locked), the held posture by default.
+    that does not walk is for; `postures`: limb name → its joint positions (n,) [rad] (where a failed
+    limb is locked, say), by default the held posture, and for a tool limb that looks at a point the
+    one that does so from `expected_base`: x, y [m] and yaw [rad] of the base in the target's frame
+    in the middle of this gait.
     Raises `InputError` for unknown limbs, `InfeasibleMotion` with a geometric certificate, and
     `UnsolvedError` when the optimiser finds no plan, saying which family, limb and sample resist.
     """
@@ -57,9 +61,27 @@ def plan_gait(
     refuse_impossible_speed(robot, grid)
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     named = {robot.limb(limb).name: role for limb, role in (roles or {}).items()}
-    fixed = resting_joints(robot, walking, named, postures or {})
+    given = {**_mean_aims(robot, named, expected_base), **(postures or {})}
+    fixed = resting_joints(robot, walking, named, given)
     segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, fixed), named)
     return solve_refined(segment, options)
+
+
+def _mean_aims(
+    robot: RobotModel, roles: Mapping[str, Role], expected_base: tuple[float, float, float]
+) -> dict[str, Array]:
+    """Limb name → joints (n,) that look at the target from the expected place of the nominal body."""
+    aims = {}
+    for name, role in roles.items():
+        tool = robot.tool(name)
+        if tool is None or not isinstance(role, Tool) or isinstance(role.look_at, str):
+            continue
+        x, y, yaw = expected_base if role.frame == "world" else (0.0, 0.0, 0.0)
+        base = np.array([[x, y, robot.nominal.body_height, 0.0, 0.0, yaw]])
+        limb = robot.limb(name)
+        home = robot.nominal.held_posture[robot.joint_indices(limb)]
+        aims[name] = aim_joints(robot, limb, tool, base, np.array(role.look_at), home)[0]
+    return aims
 
 
 def resting_joints(

@@ -35,10 +35,8 @@ class MotionOptions:
     speed_share: float = 0.9
     """Share of a joint's speed limit that the spline may use."""
     ground_tolerance: float = 0.6e-3
-    """[m] how deep the spline may push a foot below the ground between samples while three feet or fewer
-    hold the robot; a finer grid is the remedy"""
-    ground_tolerance_many: float = 1.5e-3
-    """[m] the same while there are always more than three"""
+    """[m] how deep the spline may push a foot below the ground between samples: stiff limbs answer by
+    rocking on few feet and by sliding on many; a finer grid is the remedy"""
     finest: int = 6
     """Most samples a column that refinement may use."""
     stand_seconds: float = 1.0

@@ -60,8 +60,6 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
 
 def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
     """Solve on the asked grid; when the spline pushes feet into the ground, on one that is as fine as needed."""
-    few = int(segment.grid.pattern.contact.sum(axis=0).min()) <= 3
-    tolerance = options.ground_tolerance if few else options.ground_tolerance_many
     remedies = _Remedies(_role_changes(segment))
     start: NDArray[np.float64] | None = None
     for turn in range(options.refinements + 1):
@@ -72,8 +70,8 @@ def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
             raise _unsolved(segment, solution, turn)
         report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
         now, start = segment.grid.samples_per_column, solution.x
-        if report.penetration > tolerance and now < options.finest:
-            finer = min(options.finest, int(np.ceil(now * report.penetration / tolerance)))
+        if report.penetration > options.ground_tolerance and now < options.finest:
+            finer = min(options.finest, int(np.ceil(now * report.penetration / options.ground_tolerance)))
             segment, start = segment.on_grid(finer), None
             remedies.clearances.clear()  # their samples are another grid's
         elif not _remedy(segment, options, report, remedies):

@@ -34,8 +34,15 @@ def nonlocomotive(robot: RobotModel, phase: Phase, scene: Scene) -> dict[str, Ro
     return roles
 
 
-def plan_phase(robot: RobotModel, phase: Phase, scene: Scene, options: Options, watch: Stopwatch) -> Segment:
-    """The gait of a phase.
+def plan_phase(
+    robot: RobotModel,
+    phase: Phase,
+    scene: Scene,
+    options: Options,
+    watch: Stopwatch,
+    expected_base: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> Segment:
+    """The gait of a phase; `expected_base` is x, y [m], yaw [rad] of the base in the middle of it.
 
     Raises `InfeasibleFootfall` or `InfeasibleMotion` with a proof, `UnsolvedError` when every candidate failed.
     """
@@ -54,7 +61,7 @@ def plan_phase(robot: RobotModel, phase: Phase, scene: Scene, options: Options, 
             with watch.stage("motion"):
                 plan = plan_gait(
                     robot, pattern, speed=speed, heading=phase.heading, yaw_rate=phase.yaw_rate, duration=duration,
-                    roles=roles, name=phase.name, options=options.motion,
+                    roles=roles, expected_base=expected_base, name=phase.name, options=options.motion,
                 )  # fmt: skip
         except (UnsolvedError, InfeasibleMotion) as error:
             attempts.append(Attempt(what, str(error), time.perf_counter() - begin))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from math import cos, sin
 
-from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.trajectory import planar_motion
 from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Segment
@@ -41,11 +44,26 @@ def _plan_gaits(
             continue
         again = next((plan for other, plan in known if _same_gait(robot, task, other, phase)), None)
         if again is None:
-            done.append(plan_phase(robot, phase, task.scene, options, watch))
+            done.append(plan_phase(robot, phase, task.scene, options, watch, _middle(robot, task.phases, index)))
         else:
             done.append(Segment(replace(again, name=phase.name), phase.cycles))
         known.append((phase, done[-1].plan))
     return list(done)
+
+
+def _middle(robot: RobotModel, phases: Sequence[Phase], index: int) -> tuple[float, float, float]:
+    """x, y [m], yaw [rad] of the base about the middle of a phase, by the commands up to there."""
+    nominal = robot.nominal
+    x = y = yaw = 0.0
+    for number, phase in enumerate(phases[: index + 1]):
+        speed = nominal.speed if phase.speed is None else phase.speed
+        seconds = phase.cycles * (nominal.duration if phase.duration is None else phase.duration)
+        seconds *= 0.5 if number == index else 1.0
+        seconds += nominal.transition_columns * nominal.transition_column_s if number else 0.0
+        dx, dy, turn = planar_motion(Command(speed, phase.heading, phase.yaw_rate), seconds)
+        x, y = x + cos(yaw) * dx - sin(yaw) * dy, y + sin(yaw) * dx + cos(yaw) * dy
+        yaw += float(turn)
+    return float(x), float(y), yaw
 
 
 def _same_gait(robot: RobotModel, task: Task, one: Phase, other: Phase) -> bool:
