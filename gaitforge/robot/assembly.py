@@ -10,7 +10,7 @@ from typing import Any
 from gaitforge.errors import InputError, Problem
 from gaitforge.resources import module_dirs
 from gaitforge.robot.limbs import Foot
-from gaitforge.robot.module import Module
+from gaitforge.robot.module import Module, is_mirror_image
 from gaitforge.robot.module_read import Catalogue, catalogue
 from gaitforge.robot.read import Section
 
@@ -130,6 +130,9 @@ class _Shop:
         """
         flipped = {k: -v if k in module.handed else v for k, v in module.parameters.items()}
         other = self.modules.module(module.mirror or module.name, flipped, (self.top.file, key))
+        if not is_mirror_image(module, other):
+            expected = f"a module that is its own mirror image, or names its counterpart (mirror: in {module.file})"
+            self.top.problem(key, f"{module.name} in a mirrored limb", expected)
         if module.joint is not None and abs(module.joint.axis[1]) < 0.5:
             lower, upper = (None if upper is None else -upper), (None if lower is None else -lower)
         return Part(other, key, -clock, port, lower, upper)

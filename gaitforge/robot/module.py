@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from gaitforge.robot.geometry import Array, Inertia, Shape
 from gaitforge.robot.limbs import Foot
 
@@ -88,3 +90,13 @@ class Module:
     parameters: Mapping[str, float] = field(default_factory=dict)
     handed: tuple[str, ...] = ()
     """Parameters that change sign in a mirrored limb, e.g. a twist."""
+
+
+def is_mirror_image(one: Module, other: Module) -> bool:
+    """Do the ports and the joint of `other` lie where those of `one` do, seen in a mirror along x and z?"""
+    S = np.diag([1.0, -1.0, 1.0, 1.0])
+    pairs = [(p.T, other.ports[n].T) for n, p in one.ports.items() if n in other.ports]
+    if one.joint is not None and other.joint is not None:
+        pairs.append((one.joint.T, other.joint.T))
+    whole = set(one.ports) == set(other.ports) and (one.joint is None) == (other.joint is None)
+    return whole and all(bool(np.allclose(S @ T @ S, T_other, atol=1e-6)) for T, T_other in pairs)

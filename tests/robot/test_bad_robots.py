@@ -67,6 +67,12 @@ ROBOT_CASES = {
         [(LEG, "chain: [joint, joint, {module: extension, lower: 0}, joint, elbow_foot]")],
         "limbs.leg.chain[2].lower", "limit", "no joint",
     ),
+    "a handed module in a mirrored limb": (
+        [("    mounts:", "    mirrored: [L1]\n    mounts:")], "limbs.leg.chain[0]", "in a mirrored limb", "mirror",
+    ),
+    "a mirrored limb that is not mounted": (
+        [("    mounts:", "    mirrored: [L9]\n    mounts:")], "limbs.leg.mirrored", "L9", "L1, L2",
+    ),
     "a gait that does not exist": ([("gait: tripod", "gait: trot")], "nominal.gait", "'trot'", "tripod, wave"),
     "a speed of nothing": ([("speed: 0.064", "speed: 0")], "nominal.speed", "0", "> 0"),
     "a number that is none": ([("duration: 2.0", "duration: soon")], "nominal.duration", "'soon'", "number"),
