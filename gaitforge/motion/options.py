@@ -20,7 +20,7 @@ class MotionOptions:
     """r; two keep what the samples promise between samples"""
     step_height: float | None = None
     """[m]; None: the robot's own"""
-    stability_shares: tuple[float, ...] = (0.4, 0.3)
+    stability_shares: tuple[float, ...] = (0.5, 0.3)
     """The CoP stays in the support polygon shrunk by this share towards its centroid; tried in this order."""
     progress_share: float = 0.98
     """A transition covers at least this share of the commanded travel."""
@@ -43,7 +43,7 @@ class MotionOptions:
     """[s] to start from a stand or to stop"""
     refinements: int = 6
     """How often a plan is refined when its spline misses a bound between samples."""
-    stability_share: float = 0.4
+    stability_share: float = 0.5
     """The share in force, one of `stability_shares`."""
     smoothness: Smoothness = field(default_factory=Smoothness)
     posture: Posture = field(default_factory=Posture)

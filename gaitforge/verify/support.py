@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 NO_SUPPORT = -1.0
 """Margin [m] of a robot with no foot on the ground: a finite number far below any real margin."""
+
+
+def bridged(contact: NDArray[np.bool_], steps: int) -> NDArray[np.bool_]:
+    """(n, n_F) contact with interruptions of at most `steps` rows closed."""
+    held = contact.copy()
+    for foot in range(contact.shape[1]):
+        touched = np.flatnonzero(contact[:, foot])
+        for a, b in pairwise(touched):
+            if 1 < b - a <= steps + 1:
+                held[a:b, foot] = True
+    return held
 
 
 def static_margin(com: Array, points: Array, contact: NDArray[np.bool_]) -> Array:

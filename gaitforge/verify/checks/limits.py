@@ -40,8 +40,6 @@ class CheckLimits:
     """[m] gaits shorter than this are not judged by their heading: a degree of yaw is then noise"""
     distance_floor_mm: float = 2.0
     """[mm] a segment may always fall this short: what a robot gives when its joints take up load"""
-    margin_hold_s: float = 0.05
-    """[s] a margin counts when it is that small for this long, far less than the time it takes to fall"""
     fallen_deg: float = 20.0
     """[deg] tilt of a robot that has fallen"""
 
