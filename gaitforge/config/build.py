@@ -21,7 +21,7 @@ def plain(node: Any) -> Any:
 
 
 def build(node: Any, base: Callable[..., T], *, key: str = "", file: str = "config", allow: Iterable[str] = ()) -> T:
-    """The object that `node` describes by ``_target_`` and its parameters; its class must be a `base` (a class or protocol).
+    """The object that `node` describes by ``_target_`` and its parameters; it must be a `base` (class or protocol).
 
     Only classes that are defined in gaitforge, or in a package named in `allow` (which comes from the
     command line, never from a file), are made: a dotted path that leads elsewhere is refused, even if

@@ -41,7 +41,8 @@ def plan_gait(
     """A periodic motion plan P for the pattern.
 
     `speed` [m/s], `heading` [rad] of the velocity in the body frame, `yaw_rate` [rad/s], `duration`
-    [s] of one cycle; None takes the robot's nominal value.  `roles`: limb or tool name → what a limb
+    [s] of one cycle; None takes the robot's nominal value.  `samples_per_column`: r, kept as it is
+    when given; None begins with two and lets refinement take more.  `roles`: limb or tool name → what a limb
     that does not walk is for; `postures`: limb name → its joint positions (n,) [rad] (where a failed
     limb is locked, say), by default the held posture, and for a tool limb that looks at a point the
     one that does so from `expected_base`: x, y [m] and yaw [rad] of the base in the target's frame
@@ -54,10 +55,12 @@ def plan_gait(
     options = options or MotionOptions()
     if step_height is not None:
         options = replace(options, step_height=step_height)
+    if samples_per_column is not None:  # asked for by name: no other grid
+        options = replace(options, samples_per_column=samples_per_column, finest=samples_per_column)
     nominal = robot.nominal
     command = Command(nominal.speed if speed is None else speed, heading, yaw_rate)
     seconds = nominal.duration if duration is None else duration
-    grid = Discretisation(pattern, samples_per_column or options.samples_per_column, seconds, command)
+    grid = Discretisation(pattern, options.samples_per_column, seconds, command)
     refuse_impossible_speed(robot, grid)
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     named = {robot.limb(limb).name: role for limb, role in (roles or {}).items()}
