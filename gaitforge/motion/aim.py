@@ -49,7 +49,7 @@ def aim_joints(
         q = np.clip(q + step, low, high)
         if np.abs(step).max() < 1e-10:
             break
-    return q
+    return np.asarray(q, dtype=float)
 
 
 def pointing_error(
@@ -75,7 +75,7 @@ def _mount(robot: RobotModel, limb: Limb, tool: ToolMount) -> Array:
     while joint != last:  # a tool joint at its zero
         placement = robot.pin.jointPlacements[joint] * placement
         joint = robot.pin.parents[joint]
-    return np.array(placement.homogeneous @ tool.T_link_tool)
+    return np.asarray(placement.homogeneous @ tool.T_link_tool, dtype=float)
 
 
 def _in_base(base_poses: NDArray[np.float64], target: NDArray[np.float64]) -> Array:

@@ -132,8 +132,9 @@ class Problem:
         count = int(np.prod(shape))
         low = np.broadcast_to(np.asarray(lower, dtype=float), shape).ravel().copy()
         high = np.broadcast_to(np.asarray(upper, dtype=float), shape).ravel().copy()
-        spread = tuple(np.repeat(np.arange(len(labels)), count // max(len(labels), 1)))
-        self.rows.append(Rows(family, self.row_count, low, high, unit, tuple(labels[i] for i in spread)))
+        each = count // max(len(labels), 1)
+        spread = tuple(label for label in labels for _ in range(each))
+        self.rows.append(Rows(family, self.row_count, low, high, unit, spread))
         index = np.arange(self.row_count, self.row_count + count, dtype=np.intp).reshape(shape)
         self.row_count += count
         return index
@@ -182,7 +183,8 @@ class Problem:
 
     def violations(self, x: Array) -> dict[str, tuple[float, Any, str]]:
         """Per family: the largest violation, the label of its row, the unit."""
-        values, worst = self.constraint_values(x), {}
+        values = self.constraint_values(x)
+        worst: dict[str, tuple[float, Any, str]] = {}
         for block in self.rows:
             part = values[block.start : block.start + len(block.lower)]
             excess = np.maximum(block.lower - part, part - block.upper)

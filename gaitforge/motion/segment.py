@@ -104,7 +104,7 @@ class Segment:
             name=self.name,
             kind=self.kind,
             pattern=grid.pattern,
-            times=np.arange(grid.intervals + 1) * grid.dt,
+            times=np.asarray(np.arange(grid.intervals + 1) * grid.dt, dtype=float),
             joint_positions=joints.T.copy(),
             base_poses=base,
             com=com,

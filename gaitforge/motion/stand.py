@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitforge.footfall.given import stand_pattern
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
@@ -43,7 +44,7 @@ def _plan(robot: RobotModel, gait: MotionPlan, name: str, options: MotionOptions
     base = moving.base.copy()
     base[:2] += away
     rest = rest_state(robot, moving.joints, base)
-    pattern = _pattern(gait, starting)
+    pattern = _pattern(robot, gait, starting)
     # mean speed of a steady acceleration: without it the body swings back before it goes ahead
     command = Command(0.5 * gait.command.speed, gait.command.heading, 0.0)
     start, end = (rest, moving) if starting else (moving, rest)
@@ -72,10 +73,11 @@ def _low_steps(robot: RobotModel, options: MotionOptions) -> float:
     return 0.3 * (robot.nominal.step_height if options.step_height is None else options.step_height)
 
 
-def _pattern(gait: MotionPlan, starting: bool) -> FootfallPattern:
+def _pattern(robot: RobotModel, gait: MotionPlan, starting: bool) -> FootfallPattern:
     """All walking limbs in stance, but for those in the air at the gait's seam."""
-    contact = np.tile(gait.pattern.contact.any(axis=1)[:, None], (1, COLUMNS))
-    airborne = ~(gait.pattern.contact[:, 0] | gait.pattern.contact[:, -1]) & contact[:, 0]
-    edge = slice(-2, None) if starting else slice(0, 2)
-    contact[airborne, edge] = False
-    return FootfallPattern(contact, gait.pattern.limbs, cyclic=False)
+    walks = gait.pattern.locomotive
+    seam = gait.pattern.contact[:, 0] | gait.pattern.contact[:, -1]
+    airborne = [n for n, down in zip(gait.pattern.limbs, seam, strict=True) if not down and n in walks]
+    free = [n for n in gait.pattern.limbs if n not in walks]
+    lifted, landing = (airborne, []) if starting else ([], airborne)
+    return stand_pattern(robot, COLUMNS, swing_first=landing, swing_last=lifted, free=free)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
 
 from gaitforge.motion.plan import MotionPlan, carry
 from gaitforge.robot.model import RobotModel
@@ -73,8 +74,8 @@ class Timeline:
     robot: RobotModel
     entries: tuple[Entry, ...]
     aims: tuple[Aim, ...] = ()
-    overrides: tuple = field(default=(), repr=False)
-    """((joint row, spline, start, end), …): rows recomputed along the timeline for tool limbs"""
+    overrides: tuple[tuple[int, CubicSpline, float, float], ...] = field(default=(), repr=False)
+    """(joint row, spline, start, end) …: rows recomputed along the timeline for tool limbs"""
 
     @property
     def duration(self) -> float:
@@ -108,8 +109,8 @@ class Timeline:
             contact[here] = plan.pattern.contact[:, column[here]].T
             cycle[here] = turn
         for row, spline, start, end in self.overrides:
-            here = (t >= start) & (t <= end)
-            q[here, row], dq[here, row] = spline(t[here]), spline(t[here], 1)
+            inside = (t >= start) & (t <= end)
+            q[inside, row], dq[inside, row] = spline(t[inside]), spline(t[inside], 1)
         return TimelineSamples(t, q, dq, base, contact, segment, cycle, column)
 
 

@@ -131,7 +131,7 @@ class Discretisation:
         return distance
 
 
-def smooth_step(share: Array) -> Array:
+def smooth_step(share: Array | float) -> Array:
     """σ(s) = s³ (10 − 15 s + 6 s²): from 0 to 1 with no velocity and no acceleration at either end."""
     return np.asarray(share**3 * (10 - 15 * share + 6 * share**2))
 

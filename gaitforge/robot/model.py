@@ -135,7 +135,7 @@ class RobotModel:
         q[:3] = base[:3]
         q[3:7] = pinocchio.Quaternion(pinocchio.rpy.rpyToMatrix(base[3:6])).coeffs()
         q[self._q_index] = np.asarray(joints, dtype=float)
-        return q
+        return np.asarray(q, dtype=float)
 
     def velocity_vector(self, base_pose: ArrayLike, base_rate: ArrayLike, joint_rates: ArrayLike) -> Array:
         """(nv,) Pinocchio's v from the rates of x, y, z, roll, pitch, yaw [m/s, rad/s] and of the joints."""

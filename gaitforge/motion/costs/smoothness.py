@@ -38,11 +38,11 @@ class Smoothness(Family):
             rows = robot.joint_indices(robot.limbs[i])
             q, count = trajectory.joints[i], len(rows)
             speeds = [np.zeros(count) if e is None else e.joint_velocity[rows] for e in ends]
-            parameters = np.array([self._parameters(trajectory, k, *speeds) for k in at])
+            parameters = np.array([self._parameters(trajectory, int(k), *speeds) for k in at])
             compiled = kernel(("smooth", count, self.joints), 3 * count, 4 + count, self._joint_instant)
             problem.add_term(self.name, compiled, np.hstack([q[before], q[at], q[after]]), parameters)
         speeds = [np.zeros(6) if e is None else e.base_velocity for e in ends]
-        parameters = np.array([np.append(self._parameters(trajectory, k, *speeds), grid.step) for k in at])
+        parameters = np.array([np.append(self._parameters(trajectory, int(k), *speeds), grid.step) for k in at])
         compiled = kernel(("smooth_base", self.position, self.rotation), 18, 13, self._base_instant)
         base = trajectory.base
         problem.add_term(self.name, compiled, np.hstack([base[before], base[at], base[after]]), parameters)

@@ -46,7 +46,7 @@ class SwingProfile(Family):
         places, parameters = [], []
         for lift, land in swings(grid.ground[:, limb], grid.cyclic):
             for k in range(lift + 1, land):
-                s = np.float64(k - lift) / (land - lift)
+                s = (k - lift) / (land - lift)
                 at = np.array([lift, k, land]) % grid.samples
                 since, until = (self._motion(trajectory, n) for n in (k - lift, land - k))
                 places.append(feet[at, :2].ravel())
