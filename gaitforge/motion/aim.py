@@ -82,7 +82,7 @@ def _in_base(base_poses: NDArray[np.float64], target: NDArray[np.float64]) -> Ar
     """(n, 3) the target seen from each base pose."""
     from gaitforge.motion.dense import rotations
 
-    return np.einsum("nji,nj->ni", rotations(base_poses[:, 3:6]), target - base_poses[:, :3])
+    return np.asarray(np.einsum("nji,nj->ni", rotations(base_poses[:, 3:6]), target - base_poses[:, :3]))
 
 
 def _error(q: Array, parameters: Array, mount: Array, goal: Array) -> Array:
