@@ -18,13 +18,13 @@ def options(node: DictConfig, allow: Sequence[str]) -> Options:
     from gaitforge.verify.simulator import Simulator
 
     whole = plain(node)
-    motion = dict(whole.get("motion") or {})
-    transition = motion.pop("transition", {})
+    motion = dict(whole["motion"])
+    transition = motion.pop("transition")
     return Options(
         simulator=build(whole["verify"], Simulator, key="verify", allow=allow),
         recorder=build(whole["record"], McapRecorder, key="record", allow=allow),
-        motion=build(motion, MotionOptions, key="motion", allow=allow) if motion else None,
-        transition=transition.get("method", "optimise"),
+        motion=build(motion, MotionOptions, key="motion", allow=allow),
+        transition=transition["method"],
         footfall=footfall_options(whole["footfall"], int(whole["seed"]), allow),
         search=build(whole["pipeline"], Search, key="pipeline", allow=allow),
         seed=int(whole["seed"]),

@@ -33,9 +33,7 @@ def verified(finished: Finished, *kinds: str) -> tuple[Path, dict[str, Any]]:
 
 
 def gait_speeds(summary: dict[str, Any]) -> list[tuple[float, float]]:
-    return [
-        (s["speed_planned_m_s"], s["speed_measured_m_s"]) for s in summary["segments"] if s["kind"] == "gait"
-    ]
+    return [(s["speed_planned_m_s"], s["speed_measured_m_s"]) for s in summary["segments"] if s["kind"] == "gait"]
 
 
 def test_a_hexapod_walks_in_an_alternating_tripod_as_planned(gaitforge: Run) -> None:

@@ -64,7 +64,7 @@ class Planner:
         return lambda robot, gait, *, options: plan_of(robot, gait.pattern, which, 1.0, kind="stand")
 
 
-@pytest.fixture()
+@pytest.fixture
 def planner(monkeypatch: pytest.MonkeyPatch) -> Planner:
     planner = Planner()
     monkeypatch.setattr("gaitforge.motion.gait.plan_gait", planner.gait)
