@@ -173,7 +173,20 @@ def test_the_camera_looks_level_and_straight_ahead_over_the_front_limbs() -> Non
     T = robot.link_pose(camera.link, standing_base(robot), q) @ camera.T_link_tool
     assert T[:3, 2] == pytest.approx([1.0, 0.0, 0.0], abs=1e-4), "optical axis ahead"
     assert T[:3, 0] == pytest.approx([0.0, -1.0, 0.0], abs=1e-4), "image x to the right"
-    assert 0.30 <= T[2, 3] <= 0.40
+    assert 0.30 <= T[2, 3] <= 0.41
+
+
+def test_the_camera_limb_is_clear_of_its_walking_neighbours_also_when_it_turns_to_a_target() -> None:
+    robot = load_robot("dodecapod")
+    for inward in (0.0, 0.17):
+        raised = with_limb(robot, "R2", robot.nominal.held_posture)
+        raised[robot.joint_names.index("R2_J1")] -= inward
+        for neighbour in ("R1", "R3"):
+            for swing in (-0.15, 0.0, 0.15):
+                for lift, knee in ((0.0, 0.0), (0.25, -0.1)):
+                    q = raised.copy()
+                    q[robot.joint_indices(robot.limb(neighbour))] += (swing, lift, knee)
+                    assert clearance(robot, q, "R2", neighbour) > 0.04
 
 
 def test_a_three_legged_stand_of_the_quadruped_stays_below_60_percent_of_the_efforts() -> None:
