@@ -20,6 +20,8 @@ from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 COLUMNS = 4
+STEADY = 50.0
+"""How much more the acceleration of the base costs in a stand than in a gait."""
 
 
 def plan_start(
@@ -52,7 +54,10 @@ def _plan(robot: RobotModel, gait: MotionPlan, name: str, options: MotionOptions
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     guess = partial(_guess, robot, moving)
     segment = Segment(name, "stand", robot, grid, walking, moving.joints, guess, dict(gait.roles))
-    return solve_refined(segment, replace(options, step_height=_low_steps(robot, options), progress_share=0.7))
+    # a steady acceleration: with a gait's light weight on it the body goes ahead, waits and goes again
+    steady = replace(options.smoothness, position=STEADY * options.smoothness.position)
+    low = _low_steps(robot, options)
+    return solve_refined(segment, replace(options, smoothness=steady, step_height=low, progress_share=0.7))
 
 
 def _guess(robot: RobotModel, moving: Boundary, grid: Discretisation) -> Guess:
