@@ -46,7 +46,9 @@ def test_a_hexapod_walks_in_an_alternating_tripod_as_planned(gaitforge: Run) -> 
         assert word in finished.out
     plan = np.load(folder / "plan.npz")
     assert plan["walk/C"].shape == (6, 12)
-    assert plan["walk/P"].shape == (20, 25)
+    rows, samples = plan["walk/P"].shape
+    assert rows == 20
+    assert (samples - 1) % 12 == 0
 
 
 def test_a_quadruped_walks_in_a_wave(gaitforge: Run) -> None:
