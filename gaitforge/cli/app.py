@@ -70,7 +70,10 @@ def _task(allow: tuple[str, ...], outcomes: list[JobOutcome]) -> Callable[[Any],
 
 
 def _say(text: str) -> None:
-    print(text, flush=True)
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:  # a reader like head has seen enough; the run goes on, and its files tell the rest
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def _complain(text: str) -> None:
@@ -83,7 +86,7 @@ def _finish_sweep(jobs: list[JobOutcome], refused: list[tuple[str, Exception]]) 
 
     for overrides, error in refused:
         print(f"gaitforge: {overrides}: {input_error(error)}", file=sys.stderr)
-    print(sweep_table(jobs, [overrides for overrides, _ in refused]))
+    _say(sweep_table(jobs, [overrides for overrides, _ in refused]))
     return worst([job.code for job in jobs] + [2 for _ in refused])
 
 

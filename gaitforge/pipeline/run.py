@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -67,13 +67,32 @@ def _plan_and_verify(run: Run, watch: Stopwatch, segments: list[Segment]) -> Ver
     watch.progress("verify", f"{timeline.duration:.1f} s to simulate in {run.options.simulator.name}")
     with watch.stage("verify"):
         verdict = verify_timeline(
-            run.robot, timeline, run.task.scene, simulator=run.options.simulator, limits=run.options.limits
+            run.robot,
+            timeline,
+            run.task.scene,
+            simulator=run.options.simulator,
+            limits=run.options.limits,
+            progress=_in_quarters(watch),
         )
     watch.progress("verify", f"{len(verdict.checks)} checks, {len(verdict.failed)} failed")
     with watch.stage("record"):
         write_log_files(run, verdict)
     watch.progress("record", "log, layout and plots")
     return verdict
+
+
+def _in_quarters(watch: Stopwatch) -> Callable[[float], None]:
+    """Tells the progress of a simulation at 25, 50 and 75 %."""
+    told = 0
+
+    def tell(fraction: float) -> None:
+        nonlocal told
+        quarter = int(4.0 * fraction)
+        if told < quarter < 4:
+            watch.progress("verify", f"{25 * quarter} %")
+            told = quarter
+
+    return tell
 
 
 def _finish(

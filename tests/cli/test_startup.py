@@ -69,3 +69,10 @@ def test_an_interrupt_ends_with_its_own_code_and_one_line(tmp_path: Path) -> Non
     done = python(code, tmp_path)
     assert done.returncode == 130
     assert done.stderr == "gaitforge: interrupted\n"
+
+
+def test_a_reader_that_stops_reading_does_not_stop_the_run(tmp_path: Path) -> None:
+    command = f"{sys.executable} -m gaitforge robot=hexapod task.speed=2.0; echo $? > code"
+    subprocess.run(["bash", "-c", f"({command}) | true"], cwd=tmp_path, check=True, capture_output=True)
+    assert (tmp_path / "code").read_text().strip() == "3"
+    assert list(tmp_path.glob("outputs/hexapod/walk/*/summary.json"))
