@@ -53,8 +53,8 @@ def quaternions(rpy: ArrayLike) -> Array:
     return np.stack(parts, axis=-1)
 
 
-def poses_of(positions: ArrayLike, xyzw: ArrayLike) -> Array:
-    """(n, 3) positions and (n, 4) quaternions → (n, 6) x, y, z, roll, pitch, yaw with a continuous yaw."""
-    rpy = rpy_of_matrices(matrices_of_quaternions(xyzw))
+def poses_of(positions: ArrayLike, R: ArrayLike) -> Array:
+    """(n, 3) positions and (n, 3, 3) rotations → (n, 6) x, y, z, roll, pitch, yaw with a continuous yaw."""
+    rpy = rpy_of_matrices(R)
     rpy[:, 2] = np.unwrap(rpy[:, 2])
     return np.concatenate([np.asarray(positions, dtype=float), rpy], axis=1)

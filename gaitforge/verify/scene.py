@@ -56,15 +56,3 @@ def owner_of(scene: Scene, point: ArrayLike) -> SceneObject | None:
         if any(np.allclose(p, target, atol=1e-6) for p in item.points().values()):
             return item
     return None
-
-
-def distance_to_boxes(item: SceneObject, point: ArrayLike) -> float:
-    """Distance [m] of a world point (3,) from the object's solid parts; 0 inside."""
-    R = matrices(item.rpy)
-    local = R.T @ (np.asarray(point, dtype=float) - np.array(item.xyz))
-    best = np.inf
-    for box in boxes_of(item):
-        inside = matrices(box.rpy).T @ (local - np.array(box.xyz))
-        gap = np.maximum(np.abs(inside) - 0.5 * np.array(box.size), 0.0)
-        best = min(best, float(np.linalg.norm(gap)))
-    return best

@@ -27,14 +27,16 @@ class JointTracking(SegmentCheck):
 
 @dataclass(frozen=True)
 class PeakEffort(SegmentCheck):
-    """Largest torque of a joint over its limit; 1 means that a joint gave all it had."""
+    """Largest torque of a joint over its limit, averaged over `effort_window_s`; 1: a joint gave all it had."""
 
     name: ClassVar[str] = "effort_ratio"
     title: ClassVar[str] = "peak effort over limit"
 
     def find(self, segment: Segment) -> Finding:
-        ratio = np.abs(segment.trace.joint_torques[segment.judged]) / segment.robot.effort
-        return Finding(float(ratio.max()), None, "1")
+        torque = segment.trace.joint_torques[segment.judged]
+        window = min(max(round(segment.limits.effort_window_s / segment.dt), 1), len(torque))
+        mean = np.lib.stride_tricks.sliding_window_view(torque, window, axis=0).mean(axis=-1)
+        return Finding(float((np.abs(mean) / segment.robot.effort).max()), None, "1")
 
 
 @dataclass(frozen=True)

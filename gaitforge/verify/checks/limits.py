@@ -40,6 +40,10 @@ class CheckLimits:
     """[m] gaits shorter than this are not judged by their heading: a degree of yaw is then noise"""
     distance_floor_mm: float = 2.0
     """[mm] a segment may always fall this short: what a robot gives when its joints take up load"""
+    margin_hold_s: float = 0.025
+    """[s] a static margin counts when it lasts this long: feet that change over do so within a few steps"""
+    effort_window_s: float = 0.025
+    """[s] over which torques are averaged before their peak is taken: rigid impacts last a step"""
     fallen_deg: float = 20.0
     """[deg] tilt of a robot that has fallen"""
 

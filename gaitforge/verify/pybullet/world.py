@@ -61,8 +61,7 @@ class World:
         """(n, 6) poses and (n, 6) twists of base_link, from what the base calls gave for the CoM frame."""
         R = matrices_of_quaternions(xyzw) @ self.R_base_inertial.T
         arm = R @ -self.com_in_base  # (n, 3) from the CoM to the origin of base_link, world axes
-        link_quaternions = np.array([quaternion_of(r) for r in R])
-        poses = poses_of(positions + arm, link_quaternions)
+        poses = poses_of(positions + arm, R)
         return poses, np.concatenate([linear + np.cross(angular, arm), angular], axis=1)
 
     def link_pose(self, link: str) -> tuple[Array, Array]:
