@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from gaitforge.errors import InputError, Problem
 from gaitforge.motion.aim import aim_joints
 from gaitforge.motion.plan import MotionPlan, carry
 from gaitforge.motion.timeline import Aim, Entry, Timeline, place
+from gaitforge.motion.trajectory import smooth_step
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Tool
@@ -29,7 +31,8 @@ def build_timeline(
 
     The rows of a tool limb that looks at a fixed point are recomputed from the planned base pose,
     from the end of the segment before its first gait on; in that segment, once the limb is off the
-    ground for good, they are blended in.  Raises `InputError` for targets that do not exist.
+    ground for good, they are blended in, and in a transition to something else they are blended out
+    before the limb lands.  Raises `InputError` for targets that do not exist.
     """
     entries: list[Entry] = []
     start = 0.0
@@ -38,10 +41,12 @@ def build_timeline(
         origin = _origin(plan, _last_pose(entries[-1]) if entries else np.zeros(6))
         entries.append(Entry(plan, cycles, start, origin))
         start = entries[-1].end
-    plain = Timeline(robot, tuple(entries))
-    aims = _aims(robot, plain, scene or Scene())
-    overrides = [piece for aim, run in aims for piece in _override(robot, plain, aim, run)]
-    return Timeline(robot, tuple(entries), tuple(aim for aim, _ in aims), tuple(overrides))
+    timeline = Timeline(robot, tuple(entries))
+    aims = _aims(robot, timeline, scene or Scene())
+    for aim, run in aims:  # each on top of those before: one target may follow another
+        pieces = _override(robot, timeline, aim, run)
+        timeline = replace(timeline, aims=(*timeline.aims, aim), overrides=(*timeline.overrides, *pieces))
+    return timeline
 
 
 def _last_pose(entry: Entry) -> Array:
@@ -101,26 +106,32 @@ def _is_free(entry: Entry, limb: Limb) -> bool:
 def _override(
     robot: RobotModel, timeline: Timeline, aim: Aim, run: tuple[int, int]
 ) -> list[tuple[int, CubicSpline, float, float]]:
-    """(joint row, spline, start, end) of an aimed limb: blended in during the segment before, then on target."""
+    """(joint row, spline, start, end) of an aimed limb: blended in, on target, blended out.
+
+    What is blended is the way from the planned posture to the aimed one, which is short: the plan
+    itself brings the limb into its posture, and a blend of the whole way would double its speed.
+    """
     limb, tool = robot.limb(aim.limb), next(t for t in robot.tools if t.name == aim.tool)
     rows = robot.joint_indices(limb)
-    begin = _free_from(timeline, run[0], limb)
-    times = np.linspace(begin, aim.end, max(8, int(np.ceil((aim.end - begin) / KNOT_S)) + 1))
+    begin, end = _free_from(timeline, run[0], limb), _free_until(timeline, run[1], limb)
+    times = np.linspace(begin, end, max(8, int(np.ceil((end - begin) / KNOT_S)) + 1))
     plan = timeline.sample(times)
-    posture = plan.joint_positions[-1, rows]
-    aimed = aim_joints(robot, limb, tool, plan.base_poses, aim.target, posture)
-    share = (
-        np.clip((times - begin) / max(aim.start - begin, 1e-9), 0.0, 1.0) if begin < aim.start else np.ones_like(times)
-    )
-    blend = (share**3 * (10 - 15 * share + 6 * share**2))[:, None]
-    values = plan.joint_positions[:, rows] + blend * (aimed - plan.joint_positions[:, rows])
-    first = timeline.sample([begin]).joint_velocities[0, rows]
+    settled = timeline.sample(np.clip(times, aim.start, aim.end - 1e-6)).joint_positions[:, rows]
+    aimed = aim_joints(robot, limb, tool, plan.base_poses, aim.target, settled[-1])
+    share = np.minimum(_risen(times - begin, aim.start - begin), _risen(end - times, end - aim.end))
+    values = plan.joint_positions[:, rows] + smooth_step(share)[:, None] * (aimed - settled)
+    speeds = plan.joint_velocities[:, rows]
     pieces = []
     for column, row in enumerate(rows):
-        ends = ((1, first[column]), "not-a-knot") if begin < aim.start else "not-a-knot"
-        spline = CubicSpline(times, values[:, column], bc_type=ends)
-        pieces.append((int(row), spline, begin, aim.end))
+        first = (1, speeds[0, column]) if begin < aim.start else "not-a-knot"
+        last = (1, speeds[-1, column]) if end > aim.end else "not-a-knot"
+        pieces.append((int(row), CubicSpline(times, values[:, column], bc_type=(first, last)), begin, end))
     return pieces
+
+
+def _risen(since: Array, duration: float) -> Array:
+    """(n,) 0 → 1 over a duration; 1 all along when there is none."""
+    return np.clip(since / duration, 0.0, 1.0) if duration > 1e-9 else np.ones_like(since)
 
 
 def _free_from(timeline: Timeline, settled: int, limb: Limb) -> float:
@@ -135,3 +146,15 @@ def _free_from(timeline: Timeline, settled: int, limb: Limb) -> float:
     columns = before.plan.pattern.columns
     lifted = columns - int(np.argmax(row[::-1])) if row.any() else 0
     return before.end - before.plan.duration * (1 - lifted / columns)
+
+
+def _free_until(timeline: Timeline, following: int, limb: Limb) -> float:
+    """When the limb first lands in the transition `following` [s]; that entry's start when it is no transition."""
+    if following == len(timeline.entries):
+        return timeline.duration
+    after = timeline.entries[following]
+    row = after.plan.pattern.row(limb.name)
+    if after.plan.kind != "transition":
+        return after.start
+    landed = int(np.argmax(row)) if row.any() else len(row)
+    return after.start + after.plan.duration * landed / len(row)
