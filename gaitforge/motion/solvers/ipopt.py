@@ -21,8 +21,8 @@ class Ipopt:
     """Interior points with exact second derivatives."""
 
     max_iterations: int = 80
-    max_seconds: float = 10.0
-    """[s] wall clock"""
+    max_seconds: float = 30.0
+    """[s] of processor time: a guard, set so wide that iterations decide and a busy machine changes nothing"""
     tolerance: float = 1e-7
     initial_barrier: float = 1e-2
     residual: float = 1e-6
@@ -41,7 +41,7 @@ class Ipopt:
             "ipopt.print_level": 0,
             "ipopt.sb": "yes",
             "ipopt.max_iter": self.max_iterations,
-            "ipopt.max_wall_time": self.max_seconds,
+            "ipopt.max_cpu_time": self.max_seconds,
             "ipopt.tol": self.tolerance,
             "ipopt.mu_init": self.initial_barrier,
             "ipopt.acceptable_tol": 1e-5,
