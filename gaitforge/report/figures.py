@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SWING, STANCE, BOUNDARY, BOUNDARY_SWING = "#cd2d28", "#ffffff", "#d9dde1", "#9e1f1b"
-PLANNED, SIMULATED, INK, FAINT = "#2f7d4f", "#2b5fa8", "#30363c", "#9aa4ad"
+PLANNED, SIMULATED, INK, FAINT = "#7fc796", "#1f4e9c", "#30363c", "#9aa4ad"
 SHADES = {"gait": "#e8f1ea", "transition": "#fdeedd", "stand": "#eceff2"}
 """Background of a segment by its kind."""
 

@@ -27,9 +27,9 @@ class Sizes:
     below: float = 0.32
     """room for column numbers"""
     margin: float = 0.15
-    narrowest: int = 13
+    narrowest: int = 10
     """[columns] room that a segment takes at least, for its title"""
-    widest: int = 55
+    widest: int = 60
     """[columns] that a line of segments may have"""
 
 

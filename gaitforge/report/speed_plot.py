@@ -29,15 +29,13 @@ def speed_png(verdict: Verdict) -> bytes:
     column, cycle = column_seconds(timeline, trace), cycle_seconds(timeline, trace)
     figure = new_figure(9.0, 3.6)
     axes = figure.add_axes((0.07, 0.14, 0.88, 0.62))
-    highest = 0.0
-    for poses, color, label in (
-        (trace.plan.base_poses, PLANNED, "planned"),
-        (trace.base_poses, SIMULATED, f"simulated ({verdict.simulator})"),
+    for poses, color, label, thin, thick in (  # the plan is drawn wider: a good run hides it otherwise
+        (trace.plan.base_poses, PLANNED, "planned", 1.6, 5.0),
+        (trace.base_poses, SIMULATED, f"simulated ({verdict.simulator})", 0.7, 1.6),
     ):
         fast, slow = (100 * forward_speed(poses, direction, trace.times, window) for window in (column, cycle))
-        axes.plot(trace.times, fast, color=color, linewidth=0.7, alpha=0.55, label=f"{label}, mean over a column")
-        axes.plot(trace.times, slow, color=color, linewidth=2.0, label=f"{label}, mean over a cycle")
-        highest = max(highest, float(fast.max()))
+        axes.plot(trace.times, fast, color=color, linewidth=thin, alpha=0.6, label=f"{label}, mean over a column")
+        axes.plot(trace.times, slow, color=color, linewidth=thick, label=f"{label}, mean over a cycle")
     _segments(axes, timeline, verdict.speeds)
     axes.axhline(0.0, color=FAINT, linewidth=0.6)
     axes.set_xlim(0.0, timeline.duration)

@@ -14,6 +14,7 @@ from gaitforge.verify.trace import Trace, UnplannedContact
 from gaitforge.verify.verdict import Check, Verdict
 
 SPEED = 0.064
+START_NS = 1_700_000_000_000_000_000
 SCENE = Scene(
     (
         SceneObject("pipe", "pipe", (2.0, 0.1, 0.25), (0.0, 0.0, 0.2), radius=0.12),

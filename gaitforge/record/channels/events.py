@@ -78,7 +78,8 @@ def _lines(run: Run) -> list[tuple[float, Any, str]]:
     names = segment_names(timeline)
     starts = {entry.plan.name: entry.start for entry in reversed(timeline.entries)}
     level = Log.INFO if verdict.passed else Log.ERROR
-    counts = f"{len(verdict.checks) - len(verdict.failed)} of {len(verdict.checks)} checks hold"
+    judged = [check for check in verdict.checks if check.limit is not None or not check.passed]
+    counts = f"{sum(check.passed for check in judged)} of {len(judged)} checks hold"
     lines = [(0.0, level, f"{status(run)} in {verdict.simulator}: {counts}")]
     for check in verdict.failed:
         limit = "" if check.limit is None else f", limit {check.limit:.4g}"

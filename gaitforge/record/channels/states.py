@@ -44,12 +44,17 @@ UNITS = {
     "feet_down_planned": "feet in contact by plan",
 }
 
+TOOL_UNITS = {
+    "pointing": "[deg] angle between optical axis and target",
+    "sight": "1: the line of sight to the target is free",
+}
+
 
 def state_channels(run: Run) -> list[Channel]:
     """States at the log's rate."""
     stamps = [run.stamp(t) for t in run.trace.times[run.rows]]
     values = metrics(run)
-    units = {name: UNITS.get(name, "[deg] angle between optical axis and target") for name in values}
+    units = {name: UNITS.get(name) or TOOL_UNITS[name.split("_")[0]] for name in values}
     columns = {name: column.tolist() for name, column in values.items()}
     rows = [{name: column[k] for name, column in columns.items() if np.isfinite(column[k])} for k in range(len(stamps))]
     fields = {name: number(unit) for name, unit in units.items()}
@@ -81,7 +86,10 @@ def metrics(run: Run) -> dict[str, Array]:
         "feet_down": run.contact.sum(axis=1).astype(float),
         "feet_down_planned": plan.contact.sum(axis=1).astype(float),
     }
-    found |= {f"pointing_{tool}": np.rad2deg(angle) for tool, angle in trace.pointing.items()}
+    for tool, angle in trace.pointing.items():
+        found[f"pointing_{tool}"] = np.rad2deg(angle)
+        if tool in trace.sight:
+            found[f"sight_{tool}"] = np.where(np.isfinite(angle), trace.sight[tool], np.nan)
     return {name: values[rows] for name, values in found.items()}
 
 
