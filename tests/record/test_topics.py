@@ -67,7 +67,8 @@ def test_frames_of_prismatic_and_fixed_joints_are_where_pinocchio_has_them():
     urdf = """<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0"
       ixz="0" iyz="0"/></inertial></link><link name="b"/><link name="c"/>
       <joint name="slide" type="prismatic"><parent link="a"/><child link="b"/>
-      <origin xyz="0.1 0 0.2" rpy="0.3 0.2 0.1"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+      <origin xyz="0.1 0 0.2" rpy="0.3 0.2 0.1"/><axis xyz="0 1 0"/>
+      <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
       <joint name="weld" type="fixed"><parent link="b"/><child link="c"/><origin xyz="0 0.5 0" rpy="1 0 0"/></joint>
       </robot>"""
     model = pinocchio.buildModelFromXML(urdf)
