@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.task.scene import Scene, SceneObject
-from gaitforge.verify.rotation import matrices
 
 Array = NDArray[np.float64]
 PIPE_SIDES = 16

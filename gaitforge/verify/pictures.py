@@ -1,0 +1,99 @@
+"""Pictures of a simulated run: the robot is put where the trace says and drawn off-screen, nothing is stepped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.robot.model import RobotModel
+from gaitforge.task.scene import Scene
+from gaitforge.verify.pybullet.camera import png, render_pixels
+from gaitforge.verify.pybullet.client import direct_client
+from gaitforge.verify.pybullet.world import World, build_world
+from gaitforge.verify.trace import Trace
+
+Array = NDArray[np.float64]
+Color = tuple[float, float, float, float]
+TILES: tuple[Color, Color] = ((0.90, 0.91, 0.92, 1.0), (0.83, 0.85, 0.87, 1.0))
+TILE_M = 0.5
+FLOOR_M = 60.0
+LIGHT_M = 10.0
+"""Distance of the light [m]: nearer, the edge of its shadow map is seen; farther, shadows go coarse."""
+FINER = 2
+"""Drawn this many times larger and then made smaller, which softens the edges."""
+
+
+def render(
+    robot: RobotModel,
+    trace: Trace,
+    scene: Scene,
+    times: Sequence[float],
+    size: tuple[int, int] = (960, 540),
+    *,
+    yaw_deg: float = 35.0,
+    pitch_deg: float = -24.0,
+    distance: float | None = None,
+    ahead: float = 0.0,
+) -> list[bytes]:
+    """PNG of the robot at each of `times` [s], seen by a camera that follows it.
+
+    size: width, height [pixel].  yaw_deg: where the camera stands, 0 behind the robot, 90 to its
+    right; pitch_deg: down is negative.  distance [m] from the point looked at (by default 1.8 times
+    the span of the feet, or what a tall robot needs); ahead [m]: that point lies this far in front of
+    the robot.  Shapes have the colours of the URDF.
+    """
+    rows = np.clip(np.searchsorted(trace.times, np.asarray(times, dtype=float)), 0, len(trace.times) - 1)
+    feet = trace.feet[rows[0]] if len(rows) else trace.feet[0]
+    tall = 1.7 * float(trace.base_poses[0, 2])
+    reach = distance or 1.8 * max(float(np.ptp(feet[:, :2], axis=0).max()), tall)
+    with direct_client(f"pictures of {robot.name}") as (p, client):
+        world = build_world(p, client, robot, scene, friction=1.0)
+        p.resetBasePositionAndOrientation(world.ground, [0, 0, -FLOOR_M], [0, 0, 0, 1], physicsClientId=client)
+        _lay_tiles(p, client, trace.base_poses[rows, :2] if len(rows) else np.zeros((1, 2)), 1.6 * reach + ahead)
+        return [_picture(world, trace, int(row), size, (yaw_deg, pitch_deg, reach, ahead)) for row in rows]
+
+
+def _picture(
+    world: World, trace: Trace, row: int, size: tuple[int, int], view: tuple[float, float, float, float]
+) -> bytes:
+    p, pose = world.p, trace.base_poses[row]
+    yaw_deg, pitch_deg, reach, ahead = view
+    world.place_robot(pose, trace.joint_positions[row])
+    target = [pose[0] + ahead * np.cos(pose[5]), pose[1] + ahead * np.sin(pose[5]), 0.7 * pose[2]]
+    heading = float(np.degrees(pose[5])) - 90.0 + yaw_deg  # PyBullet's yaw 0 looks along +y
+    look = p.computeViewMatrixFromYawPitchRoll(target, reach, heading, pitch_deg, 0.0, 2)
+    lens = p.computeProjectionMatrixFOV(40.0, size[0] / size[1], 0.05, 4.0 * reach + 5.0)
+    drawn = (size[0] * FINER, size[1] * FINER)
+    pixels = render_pixels(
+        p,
+        world.client,
+        drawn,
+        look,
+        lens,
+        shadow=True,
+        lightDistance=LIGHT_M,
+        lightDirection=[target[0] + 1.0, target[1] - 1.5, 4.0],
+        lightAmbientCoeff=0.62,
+        lightDiffuseCoeff=0.45,
+        lightSpecularCoeff=0.05,
+    )
+    return png(pixels, size)
+
+
+def _lay_tiles(p: Any, client: int, path: Array, margin: float) -> None:
+    """A chequered floor under the path in a wide plain one, just below the ground; PyBullet's own is bright blue."""
+    wide = [FLOOR_M, FLOOR_M, 0.002]
+    plain = p.createVisualShape(p.GEOM_BOX, halfExtents=wide, rgbaColor=TILES[0], physicsClientId=client)
+    p.createMultiBody(0, -1, plain, [0.0, 0.0, -0.012], physicsClientId=client)
+    half = [0.5 * TILE_M, 0.5 * TILE_M, 0.002]
+    shapes = [
+        p.createVisualShape(p.GEOM_BOX, halfExtents=half, rgbaColor=color, physicsClientId=client) for color in TILES
+    ]
+    first, last = (np.floor((edge) / TILE_M).astype(int) for edge in (path.min(0) - margin, path.max(0) + margin))
+    for i in range(first[0], last[0] + 1):
+        for j in range(first[1], last[1] + 1):
+            at = [(i + 0.5) * TILE_M, (j + 0.5) * TILE_M, -0.002]
+            p.createMultiBody(0, -1, shapes[(i + j) % 2], at, physicsClientId=client)
