@@ -8,6 +8,7 @@ from gaitforge.motion.costs.body import Body
 from gaitforge.motion.costs.posture import Posture
 from gaitforge.motion.costs.sharing import Sharing
 from gaitforge.motion.costs.smoothness import Smoothness
+from gaitforge.motion.family import Family
 from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import MotionSolver
 
@@ -51,4 +52,6 @@ class MotionOptions:
     sharing: Sharing = field(default_factory=Sharing)
     swing_weight: float = 100.0
     """per m² s, pull of swinging feet to the smooth height profile"""
+    families: tuple[Family, ...] = ()
+    """Constraint and cost families beyond the project's own, see docs/motion.md."""
     solver: MotionSolver = field(default_factory=Ipopt)

@@ -45,7 +45,7 @@ class Segment:
         return replace(self, grid=replace(self.grid, samples_per_column=samples_per_column))
 
     def build(self, options: MotionOptions, extra: Sequence[Family] = ()) -> tuple[Problem, Trajectory]:
-        """The motion problem with all families, `extra` ones last."""
+        """The motion problem with all families, those of the options and `extra` ones last."""
         problem = Problem()
         height = self.robot.nominal.step_height if options.step_height is None else options.step_height
         trajectory = lay_out(
@@ -71,6 +71,7 @@ class Segment:
             options.body,
             options.sharing,
             SwingProfile(weight=options.swing_weight, step_height=height),
+            *options.families,
             *extra,
         ]
         for family in families:

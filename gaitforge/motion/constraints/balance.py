@@ -33,7 +33,8 @@ class Balance(Family):
         """Three rows a sample and contact set: x and y of the CoP, and the sum of the weights."""
         grid = trajectory.grid
         sets = trajectory.weights
-        labels = [(k, feet) for k, feet, _ in sets]
+        names = trajectory.robot.limb_names
+        labels = [("+".join(names[i] for i in feet), k) for k, feet, _ in sets]
         rows = problem.add_rows(self.name, 0.0, 0.0, (len(sets), 3), self.unit, labels)
         at = np.array([k for k, _, _ in sets])
         before, after = grid.neighbours(at)
