@@ -31,8 +31,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):  # a terminal without UTF-8 is no reason to stop a run
             stream.reconfigure(errors="replace")
     debug = os.environ.get("HYDRA_FULL_ERROR") == "1" or "debug=true" in arguments
+    from gaitforge.cli.interrupt import interruptible
+
     try:
-        return _run(arguments)
+        with interruptible():
+            return _run(arguments)
     except KeyboardInterrupt:
         print("gaitforge: interrupted", file=sys.stderr)
         return INTERRUPTED

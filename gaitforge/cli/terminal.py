@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gaitforge.cli.interrupt import stop_if_requested
+
 if TYPE_CHECKING:
     from gaitforge.cli.job import JobOutcome
     from gaitforge.pipeline.outcome import RunOutcome
@@ -32,7 +34,8 @@ class Narrator:
         self.progress("assemble", f"{robot.modules} modules, {robot.mass:.2f} kg, {limbs}{carried}")
 
     def progress(self, stage: str, message: str) -> None:
-        """A line of progress."""
+        """A line of progress; the moment to stop when the user has asked for it."""
+        stop_if_requested()
         self._say(f"  {time.perf_counter() - self._started:6.1f} s  {stage:<9} {message}")
 
 

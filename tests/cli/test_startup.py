@@ -71,6 +71,37 @@ def test_an_interrupt_ends_with_its_own_code_and_one_line(tmp_path: Path) -> Non
     assert done.stderr == "gaitforge: interrupted\n"
 
 
+def test_an_interrupt_during_the_optimisation_is_not_lost(tmp_path: Path) -> None:
+    code = (
+        "import os, signal, sys\n"
+        "import gaitforge.motion.gait as gait\n"
+        "planned = gait.plan_gait\n"
+        "def swallowing(*args, **kwargs):\n"
+        "    try: os.kill(os.getpid(), signal.SIGINT)\n"
+        "    except KeyboardInterrupt: pass  # as CasADi does\n"
+        "    return planned(*args, **kwargs)\n"
+        "gait.plan_gait = swallowing\n"
+        "from gaitforge.cli import main\n"
+        "sys.exit(main(['robot=hexapod', 'task=walk']))\n"
+    )
+    done = python(code, tmp_path)
+    assert done.returncode == 130
+    assert done.stderr == "gaitforge: interrupted\n"
+    assert not list(tmp_path.rglob("summary.json"))
+
+
+def test_the_footfall_search_leaves_the_handling_of_interrupts_to_python(tmp_path: Path) -> None:
+    code = (
+        "import re, signal\n"
+        "from gaitforge.footfall.synthesis import synthesize_gait_pattern\n"
+        "from gaitforge.robot.load import load_robot\n"
+        "synthesize_gait_pattern(load_robot('hexapod'), method='program')\n"
+        "caught = re.search(r'SigCgt:\\s*(\\w+)', open('/proc/self/status').read())[1]\n"
+        "print('kept' if int(caught, 16) >> (signal.SIGINT - 1) & 1 else 'lost')\n"
+    )
+    assert python(code, tmp_path).stdout == "kept\n"
+
+
 def test_a_reader_that_stops_reading_does_not_stop_the_run(tmp_path: Path) -> None:
     command = f"{sys.executable} -m gaitforge robot=hexapod task.speed=2.0; echo $? > code"
     subprocess.run(["bash", "-c", f"({command}) | true"], cwd=tmp_path, check=True, capture_output=True)

@@ -101,6 +101,8 @@ class CpSat:
         parameters = solver.parameters
         parameters.num_workers, parameters.random_seed = self.workers, seed
         parameters.max_time_in_seconds = max(time_limit_s, 1e-3)
+        # By default the first solve takes Ctrl-C away from Python for good.
+        parameters.catch_sigint_signal = False
         if lean:
             parameters.max_presolve_iterations, parameters.cp_model_probing_level = 1, 0
             parameters.symmetry_level, parameters.linearization_level = 0, 0
