@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from run_by_hand import SCENE
+from run_by_hand import SCENE, make_verdict
 
 from gaitforge.errors import InputError
 from gaitforge.motion.timeline import Timeline
@@ -18,6 +18,7 @@ from gaitforge.record.rebuild import timeline_from_arrays
 from gaitforge.record.values import dumps, loads
 from gaitforge.robot.load import load_robot
 from gaitforge.task.roles import Tool
+from gaitforge.verify.verify import verify_timeline
 
 
 def test_c_and_p_come_back_bit_for_bit(log, verdict):
@@ -137,3 +138,19 @@ def test_a_plan_of_another_robot_is_refused(tmp_path, verdict):
 
 def _rest(timeline):
     return timeline.aims, timeline.overrides
+
+
+def test_the_timeline_of_a_log_is_simulated_to_the_same_run_bit_for_bit(tmp_path):
+    robot = load_robot("hexapod")
+    made = make_verdict(robot)
+    entries = made.timeline.entries
+    stop = replace(entries[-1], start=entries[0].end)
+    timeline = Timeline(robot, (entries[0], stop))
+    verdict = verify_timeline(robot, timeline)
+    write_log(tmp_path / "run.mcap", robot, verdict)
+    log = read_run(tmp_path / "run.mcap")
+    again = verify_timeline(log.robot, log.timeline, log.scene)
+    assert np.array_equal(again.trace.joint_positions, verdict.trace.joint_positions)
+    assert np.array_equal(again.trace.base_poses, verdict.trace.base_poses)
+    assert np.array_equal(again.trace.normal_force, verdict.trace.normal_force)
+    assert [c.passed for c in again.checks] == [c.passed for c in verdict.checks]
