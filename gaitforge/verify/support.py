@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections.abc import Iterator
+from itertools import pairwise, permutations
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,30 +34,33 @@ def static_margin(com: Array, points: Array, contact: NDArray[np.bool_]) -> Arra
     A line through two feet carries an edge when no other foot lies on its right.  The centre of
     mass is inside when it is on the left of every edge; its distance is that to the nearest edge.
     """
-    n, feet = contact.shape
-    inside = np.ones(n, dtype=bool)
-    nearest = np.where(contact, np.linalg.norm(points - com[:, None], axis=2), np.inf).min(axis=1)
-    area = np.zeros(n, dtype=bool)
-    for i in range(feet):
-        for j in range(feet):
-            rows = np.flatnonzero(contact[:, i] & contact[:, j])
-            if i == j or not len(rows):
-                continue
-            a, along = points[rows, i], points[rows, j] - points[rows, i]
-            length = np.linalg.norm(along, axis=1)
-            unit = along / np.maximum(length, 1e-12)[:, None]
-            side = _cross(unit[:, None], points[rows] - a[:, None])  # (k, n_F) [m], > 0 on the left
-            side = np.where(contact[rows], side, 0.0)
-            edge = (side >= -1e-9).all(axis=1) & (length > 1e-9)
-            rows, a, unit, length, side = rows[edge], a[edge], unit[edge], length[edge], side[edge]
-            offset = com[rows] - a
-            foot_of_normal = np.clip((offset * unit).sum(axis=1), 0.0, length)
-            distance = np.linalg.norm(offset - foot_of_normal[:, None] * unit, axis=1)
-            nearest[rows] = np.minimum(nearest[rows], distance)
-            inside[rows] &= _cross(unit, offset) >= 0.0
-            area[rows] |= (side > 1e-9).any(axis=1)
+    inside, area = np.ones(len(com), dtype=bool), np.zeros(len(com), dtype=bool)
+    nearest = np.full(len(com), np.inf)
+    for rows, start, unit, length, wide in _edges(points, contact):
+        offset = com[rows] - start
+        along = np.clip((offset * unit).sum(axis=1), 0.0, length)
+        nearest[rows] = np.minimum(nearest[rows], np.linalg.norm(offset - along[:, None] * unit, axis=1))
+        inside[rows] &= _cross(unit, offset) >= 0.0
+        area[rows] |= wide
+    to_points = np.where(contact, np.linalg.norm(points - com[:, None], axis=2), np.inf).min(axis=1)
+    nearest = np.where(np.isinf(nearest), to_points, nearest)  # all contacts in one place: there is no edge
     margin = np.where(inside & area, nearest, -nearest)
     return np.where(contact.any(axis=1), margin, NO_SUPPORT)
+
+
+def _edges(points: Array, contact: NDArray[np.bool_]) -> Iterator[tuple[NDArray[np.intp], Array, Array, Array, Any]]:
+    """Per ordered pair of feet: the rows in which it is an edge, start, direction, length, is a foot off it."""
+    feet = contact.shape[1]
+    for i, j in permutations(range(feet), 2):
+        rows = np.flatnonzero(contact[:, i] & contact[:, j])
+        start, way = points[rows, i], points[rows, j] - points[rows, i]
+        length = np.linalg.norm(way, axis=1)
+        unit = way / np.maximum(length, 1e-12)[:, None]
+        side = _cross(unit[:, None], points[rows] - start[:, None])  # (k, n_F) [m], > 0 on the left
+        side = np.where(contact[rows], side, 0.0)
+        edge = (side >= -1e-9).all(axis=1) & (length > 1e-9)
+        if edge.any():
+            yield rows[edge], start[edge], unit[edge], length[edge], (side[edge] > 1e-9).any(axis=1)
 
 
 def _cross(a: Array, b: Array) -> Array:

@@ -11,6 +11,7 @@ from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.timeline import Aim, Entry, Timeline
 from gaitforge.robot.limbs import Foot, Limb, ToolMount
 from gaitforge.robot.model import Nominal, RobotModel
+from gaitforge.verify.trace import Trace
 
 COXA, FEMUR, TIBIA, RADIUS = 0.06, 0.12, 0.16, 0.02  # [m]
 HEIGHT = 0.12  # [m] of base_link above the ground
@@ -212,3 +213,29 @@ def timeline_of(robot: RobotModel, *plans: tuple[MotionPlan, int], aims: tuple[A
         start += cycles * plan.duration
         x += cycles * float(plan.base_poses[-1, 0] - plan.base_poses[0, 0])
     return Timeline(robot, tuple(entries), aims)
+
+
+def perfect_trace(robot: RobotModel, timeline: Timeline, **changes: object) -> Trace:
+    """A trace that did exactly what was planned, 240 rows a second; `changes` replace its fields."""
+    times = np.arange(int(timeline.duration * 240 + 1e-6) + 1) / 240
+    plan = replace(timeline.sample(np.minimum(times, timeline.duration - 1e-9)), times=times)
+    feet = np.array(
+        [robot.foot_positions(b, q) for b, q in zip(plan.base_poses, plan.joint_positions, strict=True)]
+    )  # (n, n_F, 3)
+    n, n_f = plan.contact.shape
+    fields: dict[str, object] = {
+        "times": times,
+        "plan": plan,
+        "base_poses": plan.base_poses.copy(),
+        "joint_positions": plan.joint_positions,
+        "joint_velocities": plan.joint_velocities,
+        "joint_torques": np.zeros_like(plan.joint_positions),
+        "normal_force": np.where(plan.contact, 10.0, 0.0),
+        "friction_force": np.zeros((n, n_f, 3)),
+        "contact_points": feet - np.array([0.0, 0.0, RADIUS]),
+        "slip_speed": np.zeros((n, n_f)),
+        "feet": feet,
+        "com": plan.base_poses[:, :3].copy(),
+        "margin": np.full(n, 0.05),
+    }
+    return Trace(**(fields | changes))  # type: ignore[arg-type]
