@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from gaitforge.robot.model import RobotModel
     from gaitforge.verify.verdict import Verdict
 
+PICTURE = (640, 360)
+"""[pixel] width and height of a picture in the report."""
+
 
 def write_start_files(run: Run) -> None:
     """``robot.urdf`` and ``manifest.json``, known before anything is planned."""
@@ -44,16 +47,27 @@ def write_log_files(run: Run, verdict: Verdict) -> None:
         "config_sha256": config_hash(run.config),
     }
     run.options.recorder.write(run.folder / "run.mcap", run.robot, verdict, scene=run.task.scene, metadata=metadata)
-    write_layout(run.folder / "run.layout.json", run.robot, verdict.timeline)
+    write_layout(run.folder / "run.layout.json", run.robot, verdict.timeline, images=bool(verdict.trace.images))
     write_speed_png(run.folder / "speed.png", verdict)
 
 
 def write_report(run: Run, summary: Mapping[str, Any], verdict: Verdict | None) -> None:
-    """``report.html``, with the plots that there are."""
+    """``report.html``, with the plots that there are and a picture of every gait and transition."""
     from gaitforge.report.page import write_report_html
 
     footfall, speed = (_bytes(run.folder / name) for name in ("footfall.png", "speed.png"))
-    write_report_html(run.folder / "report.html", summary, footfall_png=footfall, speed_png=speed)
+    pictures = _pictures(run, verdict) if verdict else []
+    write_report_html(run.folder / "report.html", summary, footfall_png=footfall, speed_png=speed, pictures=pictures)
+
+
+def _pictures(run: Run, verdict: Verdict) -> list[tuple[str, bytes]]:
+    """(caption, PNG) from the middle of every segment that walks."""
+    from gaitforge.verify.pictures import render
+
+    walking = [e for e in verdict.timeline.entries if e.plan.kind != "stand"]
+    times = [0.5 * (e.start + e.end) for e in walking]
+    drawn = render(run.robot, verdict.trace, run.task.scene, times, PICTURE)
+    return [(f"{e.plan.name}, {t:.1f} s", png) for e, t, png in zip(walking, times, drawn, strict=True)]
 
 
 def _bytes(path: Path) -> bytes | None:
