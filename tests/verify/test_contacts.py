@@ -65,7 +65,7 @@ def test_limb_against_limb_has_one_name_whichever_way_it_is_reported() -> None:
 
 def test_a_touched_object_is_named() -> None:
     scene = Scene((SceneObject("pipe", "pipe", (1.0, 0.0, 0.3)),))
-    found = events((2, L1_TIBIA, len(LINKS), UNDER_L1 + [0.1, 0.0, 0.0], 5.0), scene=scene)
+    found = events((2, L1_TIBIA, len(LINKS), UNDER_L1 + np.array([0.1, 0.0, 0.0]), 5.0), scene=scene)
     assert found == [("object", "L1 shin against pipe")]
 
 
