@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from walkers import RADIUS, TIBIA, stand_plan, standing_feet, timeline_of, tripod_plan, walker
+from walkers import RADIUS, stand_plan, standing_feet, timeline_of, tripod_plan, walker
 
 from gaitforge.task.scene import Scene, SceneObject
 from gaitforge.verify.feet import foot_contacts, foot_of_contacts, last_contact_points
@@ -120,4 +120,3 @@ def test_the_last_contact_point_is_kept_while_the_foot_is_in_the_air() -> None:
 def test_the_hand_made_robot_stands_with_its_feet_on_the_ground() -> None:
     plan = stand_plan(ROBOT)
     np.testing.assert_allclose(plan.feet[0], standing_feet(3), atol=1e-9)
-    assert pytest.approx(0.16) == TIBIA
