@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.robot.model import RobotModel
-from gaitforge.verify.rotation import matrices, quaternions
+from gaitforge.robot.rotation import matrices, quaternions
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
-from gaitforge.verify.rotation import matrices
+from gaitforge.robot.rotation import matrices
 
 Array = NDArray[np.float64]
 
