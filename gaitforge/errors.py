@@ -52,11 +52,8 @@ class InputError(GaitforgeError):
         return type(self), (self.problems,)
 
 
-class InfeasibleError(GaitforgeError):
-    """There is no solution, and `explain` holds the proof (exit code 3)."""
-
-    exit_code = 3
-    status = "infeasible"
+class Explained(GaitforgeError):
+    """An answer that is no plan, with what is known about why: `explain` goes into ``summary.json``."""
 
     def __init__(self, message: str, explain: Mapping[str, Any] | None = None) -> None:
         self.message = message
@@ -65,6 +62,13 @@ class InfeasibleError(GaitforgeError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.message, self.explain)
+
+
+class InfeasibleError(Explained):
+    """There is no solution, and `explain` holds the proof (exit code 3)."""
+
+    exit_code = 3
+    status = "infeasible"
 
 
 class InfeasibleFootfall(InfeasibleError):
@@ -75,19 +79,11 @@ class InfeasibleMotion(InfeasibleError):
     """No motion plan exists for the pattern, by a static or geometric certificate."""
 
 
-class UnsolvedError(GaitforgeError):
+class UnsolvedError(Explained):
     """A search ended with nothing and without a proof that there is nothing (exit code 5)."""
 
     exit_code = 5
     status = "unsolved"
-
-    def __init__(self, message: str, explain: Mapping[str, Any] | None = None) -> None:
-        self.message = message
-        self.explain: dict[str, Any] = dict(explain or {})
-        super().__init__(message)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.message, self.explain)
 
 
 class SimulationError(GaitforgeError):

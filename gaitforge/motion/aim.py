@@ -9,6 +9,7 @@ from gaitforge.motion.trajectory import Array
 from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.limbs import Limb, ToolMount
 from gaitforge.robot.model import RobotModel
+from gaitforge.robot.rotation import matrices
 
 
 def aim_joints(
@@ -80,9 +81,7 @@ def _mount(robot: RobotModel, limb: Limb, tool: ToolMount) -> Array:
 
 def _in_base(base_poses: NDArray[np.float64], target: NDArray[np.float64]) -> Array:
     """(n, 3) the target seen from each base pose."""
-    from gaitforge.motion.dense import rotations
-
-    return np.asarray(np.einsum("nji,nj->ni", rotations(base_poses[:, 3:6]), target - base_poses[:, :3]))
+    return np.asarray(np.einsum("nji,nj->ni", matrices(base_poses[:, 3:6]), target - base_poses[:, :3]))
 
 
 def _error(q: Array, parameters: Array, mount: Array, goal: Array) -> Array:

@@ -11,6 +11,7 @@ from gaitforge.motion.bodies import Closest, closest_pairs, limb_capsules
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.robot.kinematics import LimbPoses, evaluate_limb, limb_parameters
 from gaitforge.robot.model import RobotModel
+from gaitforge.robot.rotation import matrices
 
 Array = NDArray[np.float64]
 
@@ -60,7 +61,7 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
         i: evaluate_limb(joints[:, robot.joint_indices(limb)], limb_parameters(robot, limb))
         for i, limb in enumerate(robot.limbs)
     }
-    turns = rotations(base[:, 3:6])
+    turns = matrices(base[:, 3:6])
     held = np.repeat(plan.pattern.contact.T, plan.samples_per_column * per_interval, axis=0)
     worst = [_foot(robot, i, poses[i], turns, base, held[:, i], plan.pattern.cyclic) for i in poses]
     deep, lift, slip, clear = (np.array(v) for v in zip(*worst, strict=True))
@@ -73,20 +74,6 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
         slip=float(slip.max()),
         swing_clearance=float(clear.min()),
         close=tuple(closest_pairs(limb_capsules(robot), at_samples, margin)),
-    )
-
-
-def rotations(rpy: Array) -> Array:
-    """(n, 3, 3) Rz(yaw) Ry(pitch) Rx(roll)."""
-    cr, cp, cy = np.cos(rpy).T
-    sr, sp, sy = np.sin(rpy).T
-    return np.stack(
-        [
-            np.stack([cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr], axis=1),
-            np.stack([sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr], axis=1),
-            np.stack([-sp, cp * sr, cp * cr], axis=1),
-        ],
-        axis=1,
     )
 
 

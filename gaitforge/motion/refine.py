@@ -17,6 +17,7 @@ from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.solvers.solution import Solution
+from gaitforge.motion.zmp import zero_moment_point
 
 NEAR_M = 0.01
 """[m] pairs of bodies this much farther apart than the clearance are watched, too"""
@@ -75,7 +76,7 @@ def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
             segment, start = segment.on_grid(finer), None
             remedies.clearances.clear()  # their samples are another grid's
         elif not _remedy(segment, options, report, remedies):
-            return _reported(plan, options, report, remedies)
+            return _reported(segment, plan, options, report, remedies)
         remedies.turns += 1
     raise UnsolvedError(
         f"{segment.name}: after {options.refinements} refinements the spline still misses a bound: {_missed(report)}",
@@ -88,12 +89,15 @@ def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
     )
 
 
-def _reported(plan: MotionPlan, options: MotionOptions, report: DenseReport, remedies: _Remedies) -> MotionPlan:
+def _reported(
+    segment: Segment, plan: MotionPlan, options: MotionOptions, report: DenseReport, remedies: _Remedies
+) -> MotionPlan:
     details = {
         "refinements": remedies.turns,
         "samples_per_column": plan.samples_per_column,
         "stability_share": options.stability_share,
         **report.as_dict(),
+        "zmp_margin_m": float(zero_moment_point(segment.robot, plan).margin.min()),
     }
     done = replace(plan.report, seconds=remedies.seconds, iterations=remedies.iterations, details=details)
     return replace(plan, report=done)

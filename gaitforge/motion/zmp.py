@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitforge.footfall.margin import support_margins
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.robot.model import RobotModel
 
@@ -52,19 +53,6 @@ def zero_moment_point(robot: RobotModel, plan: MotionPlan, per_interval: int = 4
         com[k] = pinocchio.centerOfMass(robot.pin, data, configuration)
         column = min(int(times[k] / plan.duration * plan.pattern.columns), plan.pattern.columns - 1)
         stance = plan.pattern.contact[:, column]
-        feet = robot.foot_positions(base[k], q[k])[stance, :2]
-        margin[k] = polygon_margin(feet, zmp[k])
+        feet = robot.foot_positions(base[k], q[k])[:, :2]
+        margin[k] = support_margins(feet[None], stance[None], zmp[k][None])[0, 0]
     return PressurePoints(times, zmp, com, margin)
-
-
-def polygon_margin(points: Array, at: Array) -> float:
-    """Signed distance [m] of `at` (2,) inside the convex hull of `points` (n, 2); negative outside."""
-    if len(points) < 3:
-        return -float(np.linalg.norm(points - at, axis=1).min()) if len(points) else -np.inf
-    angle = np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
-    normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    edges = points[None, :, :] - points[:, None, :]
-    side = np.stack([-edges[..., 1], edges[..., 0]], axis=-1).reshape(-1, 2)
-    length = np.linalg.norm(side, axis=1)
-    normals = np.vstack([normals, side[length > 1e-9] / length[length > 1e-9, None]])
-    return float(((points - at) @ normals.T).max(axis=0).min())

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.timeline import Timeline
 from gaitforge.record.tree import rotate
-from gaitforge.verify.rotation import quaternions
+from gaitforge.robot.rotation import quaternions
 from gaitforge.verify.trace import Trace
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gaitforge.verify.rotation import quaternions
+from gaitforge.robot.rotation import quaternions
 
 Array = NDArray[np.float64]
 

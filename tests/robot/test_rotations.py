@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from gaitforge.verify.rotation import matrices, matrices_of_quaternions, poses_of, quaternions, rpy_of_matrices
+from gaitforge.robot.rotation import matrices, matrices_of_quaternions, poses_of, quaternions, rpy_of_matrices
 
 ANGLES = np.random.default_rng(3).uniform(-1.5, 1.5, (50, 3))
 

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
 from gaitforge.robot.rotation import matrices
+from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.errors import SimulationError
 from gaitforge.robot.model import RobotModel
+from gaitforge.robot.rotation import matrices, matrices_of_quaternions, poses_of, quaternions
 from gaitforge.task.scene import Scene, SceneObject
 from gaitforge.verify.pybullet.client import quiet
-from gaitforge.robot.rotation import matrices, matrices_of_quaternions, poses_of, quaternions
 from gaitforge.verify.scene import boxes_of
 
 Array = NDArray[np.float64]
