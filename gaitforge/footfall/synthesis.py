@@ -187,7 +187,8 @@ def _cascade(
         return found
     failure: InfeasibleFootfall | None = None
     try:
-        found += _program(problem, families, travel, options, max(1, limit - 2))
+        program = _program(problem, families, travel, options, max(1, limit - 2))
+        found += _gapped_first(program, problem, families)[: max(1, limit - 2)]
     except InfeasibleFootfall as error:
         failure = error
     if limit == 1 and found:
@@ -242,15 +243,22 @@ def _waves(
 def _program(
     problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int
 ) -> tuple[FootfallPattern, ...]:
-    """Ties of the periodic program, each gait once, best first; with gaps before without where feet are few."""
+    """Ties of the periodic program, each gait once, best first."""
     best = solve(problem, families, options)
+    return ranked(ties(problem, families, best, options), problem, travel)[:limit]
+
+
+def _gapped_first(
+    ties: Iterable[FootfallPattern], problem: FootfallProblem, families: tuple[ConstraintSet, ...]
+) -> list[FootfallPattern]:
+    """Each pattern, where feet are few after its version with gaps (which has more changes than the optimum)."""
     found: list[FootfallPattern] = []
-    for tie in ranked(ties(problem, families, best, options), problem, travel)[:limit]:
+    for tie in ties:
         gapped = at_grounded_seam(with_gaps(tie))
         if needs_gaps(tie) and passes(gapped.contact, problem, families):
             found.append(gapped)
         found.append(tie)
-    return tuple(found[:limit])
+    return found
 
 
 def _unfit(
