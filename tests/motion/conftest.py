@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,7 +50,7 @@ def sideways(hexapod: RobotModel) -> MotionPlan:
 
 @pytest.fixture(scope="session")
 def turning(hexapod: RobotModel) -> MotionPlan:
-    return gf.plan_gait(hexapod, TRIPOD, speed=0.05, heading=0.3, yaw_rate=0.25, samples_per_column=2)
+    return gf.plan_gait(hexapod, TRIPOD, speed=0.05, heading=0.3, yaw_rate=0.15, samples_per_column=2)
 
 
 @pytest.fixture(scope="session")

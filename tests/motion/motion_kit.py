@@ -85,8 +85,13 @@ def gait_segment(robot: RobotModel, pattern: FootfallPattern, command: Command, 
 
 
 def open_segment(
-    robot: RobotModel, pattern: FootfallPattern, kind: str, r: int = 1, seed: int = 0, resting: tuple[bool, bool] = (False, False)
-) -> Segment:  # fmt: skip
+    robot: RobotModel,
+    pattern: FootfallPattern,
+    kind: str,
+    r: int = 1,
+    seed: int = 0,
+    resting: tuple[bool, bool] = (False, False),
+) -> Segment:
     """A transition, or with an end at rest a stand, between random states."""
     ends = [boundary(robot, seed + k, rest) for k, rest in enumerate(resting)]
     command = Command(0.05, 0.4, 0.2)
