@@ -24,7 +24,7 @@ def aim_joints(
     """(n, n_limb) joint positions [rad] that point the tool at a target from each base pose.
 
     `base_poses` (n, 6), `target` (3,) in the world [m]; `posture` (n_limb,) is what the joint that is
-    left over stays near.  Damped Gauss–Newton on the tangents of the two pointing angles, all poses
+    left over stays near.  Damped Gauss–Newton on the angle between axis and target, all poses
     at once, within the joint limits: where a limit is in the way the axis misses, and checks see it.
     """
     rows = robot.joint_indices(limb)
@@ -62,8 +62,8 @@ def pointing_error(
     target: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """(n,) angle [rad] between the optical axis and the target; `joints` (n, n_limb)."""
-    tangents = _error(joints, limb_parameters(robot, limb), _mount(robot, limb, tool), _in_base(base_poses, target))
-    return np.asarray(np.arctan(np.linalg.norm(tangents, axis=1)))
+    missed = _error(joints, limb_parameters(robot, limb), _mount(robot, limb, tool), _in_base(base_poses, target))
+    return np.asarray(np.linalg.norm(missed, axis=1))
 
 
 def _mount(robot: RobotModel, limb: Limb, tool: ToolMount) -> Array:
@@ -85,10 +85,12 @@ def _in_base(base_poses: NDArray[np.float64], target: NDArray[np.float64]) -> Ar
 
 
 def _error(q: Array, parameters: Array, mount: Array, goal: Array) -> Array:
-    """(n, 2) tangents of the angles by which the axis misses the goal; large behind the tool."""
+    """(n, 2) [rad] the angle by which the axis misses the goal, as a vector across the axis; π when it points away."""
     pose = evaluate_limb(q, parameters)
     turn = pose.turns[:, -1] @ mount[:3, :3]
     origin = pose.origins[:, -1] + pose.turns[:, -1] @ mount[:3, 3]
     seen = np.einsum("nji,nj->ni", turn, goal - origin)
-    ahead = np.maximum(seen[:, 2], 0.15 * np.linalg.norm(seen, axis=1))
-    return np.asarray(seen[:, :2] / ahead[:, None])
+    across = np.linalg.norm(seen[:, :2], axis=1)
+    away = across < 1e-12  # no direction across the axis: on target, or exactly behind
+    direction = np.where(away[:, None], [1.0, 0.0], seen[:, :2] / np.where(away, 1.0, across)[:, None])
+    return np.asarray(np.arctan2(across, seen[:, 2])[:, None] * direction)

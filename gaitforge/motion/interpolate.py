@@ -5,18 +5,22 @@ from __future__ import annotations
 import time
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import Command, MotionPlan, SolveReport
-from gaitforge.motion.state import gait_state
 from gaitforge.robot.model import RobotModel
+
+Array = NDArray[np.float64]
 
 
 def interpolate(robot: RobotModel, before: MotionPlan, after: MotionPlan, name: str) -> MotionPlan:
     """q(t) = q_a (1 − t/T) + q_b t/T; gaits of unequal cycle durations are blended by phase, T their mean.
 
-    The base is what the same blend of both base motions says; the contact pattern is that of gait a
-    in the first half and of gait b in the second.  Nothing is optimised, so nothing is promised.
+    Height, roll and pitch of the base are blended in the same way, and so are its velocities ahead,
+    aside and about the vertical.  The contact pattern is that of gait a in the first half and of gait
+    b in the second.  Nothing is optimised, so nothing is promised.
     """
     begin = time.perf_counter()
     duration = 0.5 * (before.duration + after.duration)
@@ -25,20 +29,13 @@ def interpolate(robot: RobotModel, before: MotionPlan, after: MotionPlan, name: 
     share = np.linspace(0.0, 1.0, intervals + 1)
     weight = share[:, None]
     joints = (1 - weight) * before(share * before.duration) + weight * after(share * after.duration)
-    rates = [
-        (1 - w) * plan_a + w * plan_b
-        for w, plan_a, plan_b in (
-            (0.0, _rate(before, 0.0, duration), _rate(after, 0.0, duration)),
-            (1.0, _rate(before, 1.0, duration), _rate(after, 1.0, duration)),
-        )
-    ]
     change = (after(0.0) - before(0.0)) / duration
-    base = _blended_base(before, after, share)
+    rates = [_rate(plan.joint_spline, plan, share, duration) for plan, share in ((before, 0.0), (after, 1.0))]
+    base, base_rates = _blended_base(before, after, share, duration)
     feet = np.array([robot.foot_positions(b, q) for b, q in zip(base, joints, strict=True)])
     com = np.array([robot.center_of_mass(b, q) for b, q in zip(base, joints, strict=True)])
     contact = np.where(np.arange(columns) < columns / 2, _stretched(before, columns), _stretched(after, columns))
     limbs = before.pattern.limbs
-    state_a, state_b = gait_state(robot, before), gait_state(robot, after)
     command = Command(0.5 * (before.command.speed + after.command.speed), before.command.heading)
     return MotionPlan(
         name=name,
@@ -52,14 +49,15 @@ def interpolate(robot: RobotModel, before: MotionPlan, after: MotionPlan, name: 
         weights=np.zeros((intervals + 1, 2, len(limbs))),
         command=command,
         roles=dict(after.roles),
-        joint_velocity_ends=np.array([rates[0] + change, rates[1] + change]),
-        base_velocity_ends=np.array([state_a.base_velocity, state_b.base_velocity]),
+        joint_velocity_ends=np.array(rates) + change,
+        base_velocity_ends=base_rates,
         report=SolveReport("Interpolated", 0, time.perf_counter() - begin),
     )
 
 
-def _rate(plan: MotionPlan, share: float, duration: float) -> np.ndarray:
-    return np.asarray(plan.joint_spline(share * plan.duration, 1)) * plan.duration / duration
+def _rate(spline: CubicSpline, plan: MotionPlan, share: Array | float, duration: float) -> Array:
+    """Derivative of a gait's spline at shares of its cycle, played so that a cycle takes `duration`."""
+    return np.asarray(spline(share * plan.duration, 1)) * plan.duration / duration
 
 
 def _stretched(plan: MotionPlan, columns: int) -> np.ndarray:
@@ -68,13 +66,34 @@ def _stretched(plan: MotionPlan, columns: int) -> np.ndarray:
     return plan.pattern.contact[:, index]
 
 
-def _blended_base(before: MotionPlan, after: MotionPlan, share: np.ndarray) -> np.ndarray:
-    """(n, 6) the body moves by the blended velocities of both gaits."""
-    first = before.base_spline(share * before.duration) - before.base_poses[0]
-    second = after.base_spline(share * after.duration) - after.base_poses[0]
-    weight = share[:, None]
-    steps = (1 - weight[1:]) * np.diff(first, axis=0) + weight[1:] * np.diff(second, axis=0)
-    drift = weight * (after.base_poses[0] - before.base_poses[0])
-    drift[:, :2] = 0.0
-    base = before.base_poses[0] + np.vstack([np.zeros(6), np.cumsum(steps, axis=0)]) + drift
-    return np.asarray(base)
+def _blended_base(before: MotionPlan, after: MotionPlan, share: Array, duration: float) -> tuple[Array, Array]:
+    """(n, 6) base poses and (2, 6) their velocities at both ends."""
+    w, ends = share[:, None], (before.base_poses[0], after.base_poses[0])
+    poses = [plan.base_spline(share * plan.duration) for plan in (before, after)]
+    rates = [_rate(plan.base_spline, plan, share, duration) for plan in (before, after)]
+    twists = [
+        np.stack([*_turned(rate[:, :2], -pose[:, 5]), rate[:, 5]]) for pose, rate in zip(poses, rates, strict=True)
+    ]
+    ahead, aside, spin = (1 - share) * twists[0] + share * twists[1]
+    spin = spin + (ends[1][5] - ends[0][5]) / duration
+    step = duration / (len(share) - 1)
+    yaw = ends[0][5] + _integral(spin, step)
+    velocity = np.stack(_turned(np.stack([ahead, aside], axis=1), yaw), axis=1)
+    base = np.empty((len(share), 6))
+    base[:, :2] = ends[0][:2] + np.stack([_integral(v, step) for v in velocity.T], axis=1)
+    base[:, 2:5] = ((1 - w) * poses[0] + w * poses[1])[:, 2:5]
+    base[:, 5] = yaw
+    level = np.array([rates[0][0], rates[1][-1]]) + (ends[1] - ends[0]) / duration
+    level[:, :2], level[:, 5] = velocity[[0, -1]], spin[[0, -1]]
+    return base, level
+
+
+def _turned(vectors: Array, angle: Array) -> list[Array]:
+    """x and y of (n, 2) vectors, each turned by its angle [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    return [c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]]
+
+
+def _integral(rate: Array, step: float) -> Array:
+    """Running integral of samples by the trapezoidal rule, from 0."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step)])

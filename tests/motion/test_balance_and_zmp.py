@@ -119,7 +119,7 @@ def test_the_zmp_is_where_the_change_of_momentum_says(turning: MotionPlan, hexap
     for k in range(0, len(points.times), 3):
         t, c = points.times[k], points.com[k]
         change = (momentum(t + h) - momentum(t - h)) / (2 * h)
-        force = change[:3] + [0, 0, hexapod.mass * GRAVITY]
+        force = change[:3] + np.array([0.0, 0.0, hexapod.mass * GRAVITY])
         # ground force at (p, 0): L̇ = (p − c) × F, its horizontal part
         px = c[0] - (c[2] * force[0] + change[4]) / force[2]
         py = c[1] + (change[3] - c[2] * force[1]) / force[2]

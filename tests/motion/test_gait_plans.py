@@ -41,7 +41,7 @@ def test_joints_and_their_velocities_are_periodic(gait: MotionPlan) -> None:
 
 
 def test_the_spline_goes_through_the_samples(plan: MotionPlan) -> None:
-    assert plan(plan.times).T == pytest.approx(plan.joint_positions, abs=1e-12)
+    assert pytest.approx(plan.joint_positions, abs=1e-12) == plan(plan.times).T
     assert plan.base_spline(plan.times) == pytest.approx(plan.base_poses, abs=1e-9)
 
 
@@ -108,7 +108,7 @@ def test_limbs_that_do_not_walk_keep_their_posture(penta: MotionPlan, hexapod: R
     rows = hexapod.joint_indices(hexapod.limb("R1"))
     assert (penta.joint_positions[rows].T == TUCKED).all()
     tools = [hexapod.joint_names.index(j) for limb in hexapod.limbs for j in limb.tool_joints]
-    assert (penta.joint_positions[tools].T == hexapod.nominal.posture[tools]).all()
+    assert (hexapod.nominal.posture[tools] == penta.joint_positions[tools].T).all()
 
 
 def test_a_failed_limb_stays_where_it_failed(hexapod: RobotModel) -> None:
@@ -118,7 +118,7 @@ def test_a_failed_limb_stays_where_it_failed(hexapod: RobotModel) -> None:
         hexapod, PENTA, speed=0.03, roles={"R1": gf.Failed()}, postures={"R1": where}, samples_per_column=1,
         options=options,
     )  # fmt: skip
-    assert (plan.joint_positions[hexapod.joint_indices(hexapod.limb("R1"))].T == where).all()
+    assert (where == plan.joint_positions[hexapod.joint_indices(hexapod.limb("R1"))].T).all()
     assert plan.roles == {"R1": gf.Failed()}
 
 
