@@ -78,11 +78,13 @@ def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
         elif not _remedy(segment, options, report, remedies):
             return _reported(segment, plan, options, report, remedies)
         remedies.turns += 1
+    missed = _missed(segment, options, report)
     raise UnsolvedError(
-        f"{segment.name}: after {options.refinements} refinements the spline still misses a bound: {_missed(report)}",
+        f"{segment.name}: after {options.refinements} refinements the spline still misses a bound: "
+        + ", ".join(missed.values()),
         {
             "segment": segment.name,
-            "families": sorted({f.name for f in remedies.families}),
+            "families": sorted(missed),
             "advice": "walk slower, take more time, or choose another pattern or posture",
             **report.as_dict(),
         },
@@ -141,13 +143,20 @@ def _given(segment: Segment, pair: Closest) -> bool:
     return first or last
 
 
-def _missed(report: DenseReport) -> str:
-    fast, gap = float(np.max(report.speed_ratio)), report.gap
-    parts = [f"joint speed at {fast:.2f} of its limit"] if fast > 1 else []
-    if gap < 0:
-        pair = min(report.close, key=lambda c: c.gap)
-        parts.append(f"{pair.first.name} {-gap * 1e3:.0f} mm into {pair.second.name}")
-    return ", ".join(parts) or "margins only"
+def _missed(segment: Segment, options: MotionOptions, report: DenseReport) -> dict[str, str]:
+    """Family → in words by how much the spline misses it."""
+    missed = {}
+    if report.penetration > options.ground_tolerance and segment.grid.samples_per_column < options.finest:
+        missed["ground"] = f"a foot {report.penetration * 1e3:.1f} mm in the ground"
+    fast = int(np.argmax(report.speed_ratio))
+    if report.speed_ratio[fast] > options.speed_share:
+        name = segment.robot.joint_names[fast]
+        missed["joint_speed"] = f"{name} at {report.speed_ratio[fast]:.2f} of its speed limit"
+    close = [c for c in report.close if not _given(segment, c)]
+    pair = min(close, key=lambda c: c.gap, default=None)
+    if pair is not None and pair.gap < 0.5 * options.clearance:
+        missed["clearance"] = f"{pair.first.name} {pair.gap * 1e3:.0f} mm from {pair.second.name}"
+    return missed
 
 
 def _unsolved(segment: Segment, solution: Solution, turn: int) -> UnsolvedError:
