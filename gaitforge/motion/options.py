@@ -55,3 +55,8 @@ class MotionOptions:
     families: tuple[Family, ...] = ()
     """Constraint and cost families beyond the project's own, see docs/motion.md."""
     solver: MotionSolver = field(default_factory=Ipopt)
+
+    def __post_init__(self) -> None:
+        for family in self.families:
+            if not isinstance(family, Family):
+                raise TypeError(f"families: found {type(family).__name__}, expected a constraint or cost family")
