@@ -8,7 +8,7 @@ import pytest
 import gaitforge as gf
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.robot.model import RobotModel
-from tests.motion.motion_kit import CHANGE, PENTA, TRIPOD
+from tests.motion.motion_kit import CHANGE, PATIENT, PENTA, TRIPOD
 from tests.robot.kit import write_robot
 
 TUCKED = (0.2, 0.6, 0.3)
@@ -39,45 +39,47 @@ def any_robot(request: pytest.FixtureRequest) -> RobotModel:
 @pytest.fixture(scope="session")
 def tripod(hexapod: RobotModel) -> MotionPlan:
     """Straight ahead on six limbs, refined as by default."""
-    return gf.plan_gait(hexapod, TRIPOD, name="all")
+    return gf.plan_gait(hexapod, TRIPOD, name="all", options=PATIENT)
 
 
 @pytest.fixture(scope="session")
 def sideways(hexapod: RobotModel) -> MotionPlan:
-    return gf.plan_gait(hexapod, TRIPOD, heading=np.pi / 2, samples_per_column=2)
+    return gf.plan_gait(hexapod, TRIPOD, heading=np.pi / 2, samples_per_column=2, options=PATIENT)
 
 
 @pytest.fixture(scope="session")
 def turning(hexapod: RobotModel) -> MotionPlan:
-    return gf.plan_gait(hexapod, TRIPOD, speed=0.05, heading=0.3, yaw_rate=0.15, samples_per_column=2)
+    return gf.plan_gait(hexapod, TRIPOD, speed=0.05, heading=0.3, yaw_rate=0.15, samples_per_column=2, options=PATIENT)
 
 
 @pytest.fixture(scope="session")
 def penta(hexapod: RobotModel) -> MotionPlan:
     """On five limbs, R1 held in a posture of its own."""
-    return gf.plan_gait(hexapod, PENTA, roles={"R1": gf.Held(TUCKED)}, samples_per_column=4, name="without_R1")
+    return gf.plan_gait(
+        hexapod, PENTA, roles={"R1": gf.Held(TUCKED)}, samples_per_column=4, name="without_R1", options=PATIENT
+    )
 
 
 @pytest.fixture(scope="session")
 def change(hexapod: RobotModel, tripod: MotionPlan, penta: MotionPlan) -> MotionPlan:
-    return gf.plan_transition(hexapod, tripod, penta, pattern=CHANGE)
+    return gf.plan_transition(hexapod, tripod, penta, pattern=CHANGE, options=PATIENT)
 
 
 @pytest.fixture(scope="session")
 def start(hexapod: RobotModel, tripod: MotionPlan) -> MotionPlan:
-    return gf.plan_start(hexapod, tripod)
+    return gf.plan_start(hexapod, tripod, options=PATIENT)
 
 
 @pytest.fixture(scope="session")
 def stop(hexapod: RobotModel, penta: MotionPlan) -> MotionPlan:
-    return gf.plan_stop(hexapod, penta)
+    return gf.plan_stop(hexapod, penta, options=PATIENT)
 
 
 @pytest.fixture(scope="session")
 def wave(quadruped: RobotModel) -> MotionPlan:
     """The quadruped's nominal gait."""
     pattern = gf.synthesize_gait_pattern(quadruped, method="wave", columns=quadruped.nominal.columns)
-    return gf.plan_gait(quadruped, pattern)
+    return gf.plan_gait(quadruped, pattern, options=PATIENT)
 
 
 GAITS = ("tripod", "sideways", "turning", "penta", "wave")

@@ -15,7 +15,7 @@ from gaitforge.motion.timeline_build import build_timeline, tool_target
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Tool
 from gaitforge.task.scene import Scene, SceneObject
-from tests.motion.motion_kit import CHANGE, PENTA, TRIPOD
+from tests.motion.motion_kit import CHANGE, PATIENT, PENTA, TRIPOD
 
 TARGET, OTHER = (2.5, 0.0, 0.3), (2.5, 0.5, 0.3)
 BACK = FootfallPattern.from_rows(
@@ -103,24 +103,29 @@ def test_the_joint_that_is_left_over_stays_near_the_posture(dodecapod: RobotMode
 
 @pytest.fixture(scope="module")
 def walk(lookout: RobotModel) -> MotionPlan:
-    return gf.plan_gait(lookout, TRIPOD, samples_per_column=2)
+    return gf.plan_gait(lookout, TRIPOD, samples_per_column=2, options=PATIENT)
 
 
 @pytest.fixture(scope="module")
 def looking(lookout: RobotModel) -> MotionPlan:
     return gf.plan_gait(
-        lookout, PENTA, samples_per_column=2, roles={"camera": Tool(TARGET)}, expected_base=(0.5, 0.0, 0.0)
+        lookout,
+        PENTA,
+        samples_per_column=2,
+        roles={"camera": Tool(TARGET)},
+        expected_base=(0.5, 0.0, 0.0),
+        options=PATIENT,
     )
 
 
 @pytest.fixture(scope="module")
 def to_looking(lookout: RobotModel, walk: MotionPlan, looking: MotionPlan) -> MotionPlan:
-    return gf.plan_transition(lookout, walk, looking, pattern=CHANGE)
+    return gf.plan_transition(lookout, walk, looking, pattern=CHANGE, options=PATIENT)
 
 
 @pytest.fixture(scope="module")
 def back_to_walking(lookout: RobotModel, walk: MotionPlan, looking: MotionPlan) -> MotionPlan:
-    return gf.plan_transition(lookout, looking, walk, pattern=BACK, column_s=0.2)
+    return gf.plan_transition(lookout, looking, walk, pattern=BACK, column_s=0.2, options=PATIENT)
 
 
 @pytest.fixture(scope="module")
