@@ -54,7 +54,7 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
             failure = failure or error
             continue
         relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
-        return replace(plan, relaxed=relaxed)
+        return replace(plan, relaxed=(*plan.relaxed, *relaxed))
     assert failure is not None
     raise failure
 
@@ -102,7 +102,9 @@ def _reported(
         "zmp_margin_m": float(zero_moment_point(segment.robot, plan).margin.min()),
     }
     done = replace(plan.report, seconds=remedies.seconds, iterations=remedies.iterations, details=details)
-    return replace(plan, report=done)
+    deep = report.penetration
+    relaxed = (f"feet {1e3 * deep:.1f} mm into the ground between samples",) if deep > options.ground_tolerance else ()
+    return replace(plan, report=done, relaxed=relaxed)
 
 
 def _role_changes(segment: Segment) -> dict[int, float]:

@@ -22,7 +22,7 @@ class Balance(Family):
     Written without the quotient, whose pole at z̈ = −g throws an optimiser off: Σ w = 1 + z̈/g and
     Σ w e = (1 + z̈/g) x − z ẍ / g, so that m g w_i is the vertical force on foot i.
     w ≥ s/n for n stance feet keeps the CoP inside the support polygon shrunk towards its centroid
-    by the share s; where contacts change there are two sets of weights at one sample.
+    by the share s / (1 + z̈/g); where contacts change there are two sets of weights at one sample.
     """
 
     name: ClassVar[str] = "balance"
