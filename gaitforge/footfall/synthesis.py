@@ -1,7 +1,7 @@
 """Footfall patterns for a robot: gaits for whatever limbs walk, and transitions between them.
 
-The cascade of section III-B: the alternating tripod (with one limb lost: the original pattern with that limb
-free), the periodic program with its ties, the wave.
+The cascade of section III-B: with one limb lost, candidates like the gait before; else the alternating tripod;
+then the periodic program with its ties, then the wave.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from gaitforge.footfall.constraints import ConstraintSet, Families, with_problem
 from gaitforge.footfall.from_robot import gait_problem, limbs_named, pattern_of, transition_problem
 from gaitforge.footfall.gaps import needs_gaps, with_gaps
 from gaitforge.footfall.given import alternating
+from gaitforge.footfall.lost_limb import lost_limb, lost_limb_gaits
 from gaitforge.footfall.model import can_be_turned, check_pattern, check_problem
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.placement import offset_at
 from gaitforge.footfall.problem import FootfallProblem
-from gaitforge.footfall.ranking import Travel, diverse, ranked
+from gaitforge.footfall.ranking import RANKINGS, Ranking, Travel, diverse, ranked
 from gaitforge.footfall.seam import at_grounded_seam, canonical
 from gaitforge.footfall.search import SearchOptions, passes, solve, ties
 from gaitforge.footfall.solvers.base import FootfallSolver
@@ -45,12 +46,16 @@ def synthesize_gait_pattern(
     time_limit_s: float = 10.0,
     method: Method = "auto",
     solver: FootfallSolver | None = None,
+    original: Any = None,
+    ranking: Ranking = "margin",
 ) -> FootfallPattern:
     """A cyclic footfall pattern for the limbs that walk (None: all), begun where they are all on the ground.
 
     `method`: *tripod* (alternating), *program* (least Σ y, ties ranked by margin), *wave* (m = n (s + 1), not
-    `columns`), or *auto*: the first of these that satisfies every family.  Raises InputError for limbs that
-    do not exist, InfeasibleFootfall with the clash of families, UnsolvedError when time ran out.
+    `columns`), or *auto*: the first of these that satisfies every family.  `original`: the gait before (a pattern,
+    or a plan that has one), for *auto* when one of its limbs is lost; `ranking`: what decides between patterns
+    (see `ranked`).  Raises InputError for limbs that do not exist, InfeasibleFootfall with the clash of families,
+    UnsolvedError when time ran out.
     """
     return gait_pattern_candidates(
         robot,
@@ -62,6 +67,8 @@ def synthesize_gait_pattern(
         time_limit_s=time_limit_s,
         method=method,
         solver=solver,
+        original=original,
+        ranking=ranking,
     )[0]
 
 
@@ -76,6 +83,8 @@ def gait_pattern_candidates(
     time_limit_s: float = 10.0,
     method: Method = "auto",
     solver: FootfallSolver | None = None,
+    original: Any = None,
+    ranking: Ranking = "margin",
 ) -> tuple[FootfallPattern, ...]:
     """Up to `limit` cyclic patterns, the most promising first; all satisfy every family.
 
@@ -84,6 +93,8 @@ def gait_pattern_candidates(
     """
     if method not in METHODS:
         raise InputError(Problem("footfall", "method", repr(method), "one of " + ", ".join(METHODS)))
+    if ranking not in RANKINGS:
+        raise InputError(Problem("footfall", "ranking", repr(ranking), "one of " + ", ".join(RANKINGS)))
     if limit < 1:
         raise InputError(Problem("footfall", "limit", repr(limit), "an integer ≥ 1"))
     problem, families = gait_problem(robot, locomotive, columns), with_problem_families(constraints)
@@ -95,9 +106,10 @@ def gait_pattern_candidates(
     elif method == "wave":
         found = _waves(problem, families, travel, required=True)
     elif method == "program":
-        found = list(_program(problem, families, travel, options, limit))
+        found = list(_program(problem, families, travel, options, limit, ranking))
     else:
-        found = _cascade(problem, families, travel, options, limit)
+        gait_before = None if original is None else pattern_of(robot, original, "original")
+        found = _cascade(problem, families, travel, options, limit, gait_before, ranking)
     turnable = can_be_turned(problem, families)
     return _once(at_grounded_seam(pattern) if turnable else pattern for pattern in found)[:limit]
 
@@ -179,15 +191,20 @@ def _transition_travel(robot: RobotModel, problem: FootfallProblem, before: Any,
 
 
 def _cascade(
-    problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int
-) -> list[FootfallPattern]:
-    """Tripod, program, wave; the program's proof is raised only when no other method has a pattern."""
-    found = _tripod(problem, families)
+    problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int,
+    original: FootfallPattern | None, ranking: Ranking,
+) -> list[FootfallPattern]:  # fmt: skip
+    """Candidates, program, wave; the program's proof is raised only when no other method has a pattern."""
+    lost = lost_limb(problem, original)
+    if lost is None:
+        found = _tripod(problem, families)
+    else:
+        found = lost_limb_gaits(problem, families, travel, *lost, ranking)[: max(1, limit // 2)]
     if found and limit == 1:
         return found
     failure: InfeasibleFootfall | None = None
     try:
-        found += _program(problem, families, travel, options, max(1, limit - 2))
+        found += _program(problem, families, travel, options, max(1, limit - 2), ranking)
     except InfeasibleFootfall as error:
         failure = error
     if limit == 1 and found:
@@ -240,12 +257,13 @@ def _waves(
 
 
 def _program(
-    problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int
-) -> tuple[FootfallPattern, ...]:
+    problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int,
+    ranking: Ranking,
+) -> tuple[FootfallPattern, ...]:  # fmt: skip
     """Ties of the periodic program, each gait once, best first; with gaps before without where feet are few."""
     best = solve(problem, families, options)
     found: list[FootfallPattern] = []
-    for tie in ranked(ties(problem, families, best, options), problem, travel)[:limit]:
+    for tie in ranked(ties(problem, families, best, options), problem, travel, ranking)[:limit]:
         gapped = at_grounded_seam(with_gaps(tie))
         if needs_gaps(tie) and passes(gapped.contact, problem, families):
             found.append(gapped)
