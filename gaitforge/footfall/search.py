@@ -20,14 +20,14 @@ from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
 from gaitforge.footfall.seam import distinct_gaits
 from gaitforge.footfall.solvers.base import FootfallSolver, Solution
-from gaitforge.footfall.solvers.cpsat import CpSat
+from gaitforge.footfall.solvers.segments import Segments
 
 
 @dataclass(frozen=True)
 class SearchOptions:
     """How a pattern is looked for."""
 
-    solver: FootfallSolver = field(default_factory=CpSat)
+    solver: FootfallSolver = field(default_factory=Segments)
     seed: int = 0
     time_limit_s: float = 10.0
     """[s] for the optimum and its proof"""
@@ -47,9 +47,14 @@ def solve(problem: FootfallProblem, families: Sequence[ConstraintSet], options: 
     """
     start = time.perf_counter()
     check_problem(problem)
-    if counting_clash(problem, families) is not None:
+    direct, reason = _direct(problem, families, options)
+    if direct.contact is not None:
+        return _pattern(direct.contact, problem, _info(direct, "segments", 0.0))
+    if direct.status == "infeasible" or counting_clash(problem, families) is not None:
         raise infeasible_footfall(explain_infeasible(problem, families, options.solver, options.seed))
     program = build_program(problem, families)
+    if direct.bound:
+        program.row([(y, 1) for y in program.objective], direct.bound, None, "bound")
     built = time.perf_counter() - start
     solution = _minimize(program, can_be_turned(problem, families), options)
     if solution.status == "infeasible":
@@ -60,7 +65,22 @@ def solve(problem: FootfallProblem, families: Sequence[ConstraintSet], options: 
             "that there is none",
             {"status": solution.status, "columns": problem.columns},
         )
-    return _pattern(solution.contact, problem, _info(solution, options.solver.name, built))
+    info = _info(solution, _general(options.solver).name, built)
+    return _pattern(solution.contact, problem, {**info, "solver_reason": reason} if reason else info)
+
+
+def _direct(
+    problem: FootfallProblem, families: Sequence[ConstraintSet], options: SearchOptions
+) -> tuple[Solution, str]:
+    """What the search over change times says, when it is the one to ask; *unknown* and why when it cannot tell."""
+    if isinstance(options.solver, Segments):
+        return options.solver.search(problem, families)
+    return Solution("unknown"), ""
+
+
+def _general(solver: FootfallSolver) -> FootfallSolver:
+    """The solver of the general model."""
+    return solver.general if isinstance(solver, Segments) else solver
 
 
 def _minimize(program: Program, turnable: bool, options: SearchOptions) -> Solution:

@@ -217,10 +217,9 @@ def test_dropping_a_family_never_makes_the_optimum_worse():
 
 def test_without_time_for_an_answer_the_search_is_unsolved_not_infeasible():
     problem = gait(DODECAPOD, 40, DODECAPOD, DODECAPOD_SIDES)
+    families = with_problem_families([*default_constraints()[:-1], GapRule(12)])
     with pytest.raises(UnsolvedError) as caught:
-        solve(
-            problem, with_problem_families([*default_constraints()[:-1], GapRule(12)]), SearchOptions(time_limit_s=1e-3)
-        )
+        solve(problem, families, SearchOptions(CpSat(), time_limit_s=1e-3))
     assert caught.value.explain["columns"] == 40
 
 
