@@ -26,7 +26,7 @@ from gaitforge.footfall.ranking import RANKINGS, Ranking, Travel, diverse, ranke
 from gaitforge.footfall.seam import at_grounded_seam, canonical
 from gaitforge.footfall.search import SearchOptions, passes, solve, ties
 from gaitforge.footfall.solvers.base import FootfallSolver
-from gaitforge.footfall.solvers.cpsat import CpSat
+from gaitforge.footfall.solvers.segments import Segments
 from gaitforge.footfall.waves import best_wave, swing_columns_for
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def gait_pattern_candidates(
         raise InputError(Problem("footfall", "limit", repr(limit), "an integer ≥ 1"))
     problem, families = gait_problem(robot, locomotive, columns), with_problem_families(constraints)
     check_problem(problem)
-    options = SearchOptions(solver or CpSat(), seed, time_limit_s)
+    options = SearchOptions(solver or Segments(), seed, time_limit_s)
     travel = Travel(np.array([robot.nominal.speed * robot.nominal.duration / columns, 0.0]))
     if method == "tripod":
         found = _tripod(problem, families, required=True)
@@ -171,7 +171,7 @@ def transition_pattern_candidates(
     problem = transition_problem(robot, before, after, columns, from_column, to_column)
     check_problem(problem)
     families = with_problem_families(constraints)
-    options = SearchOptions(solver or CpSat(), seed, time_limit_s)
+    options = SearchOptions(solver or Segments(), seed, time_limit_s)
     best = solve(problem, families, options)
     seams = {key: problem.parameters[key] for key in ("from_column", "to_column")}
     found = [replace(p, info={**p.info, **seams}) for p in ties(problem, families, best, options, slack)]
