@@ -15,6 +15,9 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.ranking import Ranking, Travel, centroid_of, ranked
 
+Left = tuple[tuple[str, str], ...]
+"""(which, why)"""
+
 SCREENED = 24
 """Judging margins costs n_F² m a pattern: only so many, by the centroid heuristic, are looked at that closely."""
 
@@ -38,8 +41,8 @@ def lost_limb_gaits(
     original: FootfallPattern,
     lost: str,
     ranking: Ranking = "margin",
-) -> list[FootfallPattern]:
-    """Candidates that satisfy every family, best first; `info["left"]` of the first says which were left and why.
+) -> tuple[list[FootfallPattern], Left]:
+    """(candidates that satisfy every family, best first; which were left and why).
 
     Ranked by margin, those are left as well whose centre of mass cannot be kept over the feet at every switch.
     """
@@ -57,13 +60,11 @@ def lost_limb_gaits(
         tipping = [p for p in best if p.info["switch_margin_m"] <= 0.0]
         best = [p for p in best if p.info["switch_margin_m"] > 0.0]
         left += tuple((described(p), f"static margin {1000 * p.info['switch_margin_m']:.1f} mm") for p in tipping)
-    return [replace(p, info={**p.info, "left": left}) for p in best[:1]] + best[1:]
+    return best, left
 
 
-def _left(
-    problem: FootfallProblem, families: Sequence[ConstraintSet], candidates: Sequence[FootfallPattern]
-) -> tuple[tuple[str, str], ...]:
-    """(which, why) of candidates that break families, one entry for all that break the same."""
+def _left(problem: FootfallProblem, families: Sequence[ConstraintSet], candidates: Sequence[FootfallPattern]) -> Left:
+    """Candidates that break families, one entry for all that break the same."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for pattern in candidates:
         broken = tuple(np.unique([v.family for v in check_pattern(pattern.contact, problem, families)]).tolist())

@@ -98,7 +98,7 @@ def _order(pattern: FootfallPattern, s: Stability, rate: float, centroid: float)
     hurry = round(2 * max(0.0, rate - UNHURRIED)) / 2
     margins = (s.margin, s.switch_margin) if pattern.cyclic else (s.switch_margin, s.margin)
     steps = [-round(min(value, AMPLE) / GRAIN) for value in margins]
-    changed = pattern.info.get("operation", "original") != "original"
+    changed = pattern.info.get("operation") != "original"
     return (in_air, hurry, *steps, pattern.changes, changed, round(rate, 2), round(centroid, 6))
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from gaitforge.errors import InfeasibleFootfall, InputError, Problem
 from gaitforge.footfall.constraints import ConstraintSet, Families, with_problem_families
 from gaitforge.footfall.from_robot import gait_problem, limbs_named, pattern_of, transition_problem
-from gaitforge.footfall.gaps import needs_gaps, with_gaps
+from gaitforge.footfall.gaps import gapped_first
 from gaitforge.footfall.given import alternating
-from gaitforge.footfall.lost_limb import lost_limb, lost_limb_gaits
+from gaitforge.footfall.lost_limb import Left, lost_limb, lost_limb_gaits
 from gaitforge.footfall.model import can_be_turned, check_pattern, check_problem
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.placement import offset_at
@@ -106,7 +106,7 @@ def gait_pattern_candidates(
     elif method == "wave":
         found = _waves(problem, families, travel, required=True)
     elif method == "program":
-        found = list(_program(problem, families, travel, options, limit, ranking))
+        found = gapped_first(_program(problem, families, travel, options, limit, ranking), problem, families)
     else:
         gait_before = None if original is None else pattern_of(robot, original, "original")
         found = _cascade(problem, families, travel, options, limit, gait_before, ranking)
@@ -194,19 +194,27 @@ def _cascade(
     problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int,
     original: FootfallPattern | None, ranking: Ranking,
 ) -> list[FootfallPattern]:  # fmt: skip
-    """Candidates, program, wave; the program's proof is raised only when no other method has a pattern."""
+    """Candidates, program, wave; the program's proof is raised only when no other method has a pattern.
+
+    Candidates of a lost limb and ties of the program are ranked together, the best of each kind before the
+    others: none like the gait before may be any good.
+    """
     lost = lost_limb(problem, original)
+    left: Left = ()
     if lost is None:
         found = _tripod(problem, families)
+        if found and limit == 1:
+            return found
     else:
-        found = lost_limb_gaits(problem, families, travel, *lost, ranking)[: max(1, limit // 2)]
-    if found and limit == 1:
-        return found
+        found, left = lost_limb_gaits(problem, families, travel, *lost, ranking)
+        found = found[: max(2, limit // 2)]
     failure: InfeasibleFootfall | None = None
     try:
-        found += _program(problem, families, travel, options, max(1, limit - 2), ranking)
+        program = _program(problem, families, travel, options, max(1, limit - 2), ranking)
+        found = found + program if lost is None else _both(ranked(found + program, problem, travel, ranking))
     except InfeasibleFootfall as error:
         failure = error
+    found = [replace(p, info={**p.info, "left": left}) for p in gapped_first(found, problem, families)]
     if limit == 1 and found:
         return found
     waves = _waves(problem, families, travel)
@@ -217,6 +225,13 @@ def _cascade(
         waves = [replace(w, relaxed=(note,)) for w in waves]
     kept = max(1, limit - min(2, len(waves)))
     return found[:kept] + waves
+
+
+def _both(patterns: Iterable[FootfallPattern]) -> list[FootfallPattern]:
+    """The first pattern of each source, then the others in their order."""
+    best: dict[str, FootfallPattern] = {}
+    rest = [p for p in patterns if best.setdefault(p.source, p) is not p]
+    return [*best.values(), *rest]
 
 
 def _tripod(
@@ -259,16 +274,10 @@ def _waves(
 def _program(
     problem: FootfallProblem, families: tuple[ConstraintSet, ...], travel: Travel, options: SearchOptions, limit: int,
     ranking: Ranking,
-) -> tuple[FootfallPattern, ...]:  # fmt: skip
-    """Ties of the periodic program, each gait once, best first; with gaps before without where feet are few."""
+) -> list[FootfallPattern]:  # fmt: skip
+    """Ties of the periodic program, each gait once, best first."""
     best = solve(problem, families, options)
-    found: list[FootfallPattern] = []
-    for tie in ranked(ties(problem, families, best, options), problem, travel, ranking)[:limit]:
-        gapped = at_grounded_seam(with_gaps(tie))
-        if needs_gaps(tie) and passes(gapped.contact, problem, families):
-            found.append(gapped)
-        found.append(tie)
-    return tuple(found[:limit])
+    return list(ranked(ties(problem, families, best, options), problem, travel, ranking)[:limit])
 
 
 def _unfit(
