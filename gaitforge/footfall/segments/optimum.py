@@ -18,6 +18,8 @@ from gaitforge.footfall.segments.times import Times, even_sets, every_set, numbe
 
 FEW = 2_000
 """Sets of times that are all looked at at once, without trying even spacing first."""
+FEW_WITH_GAPS = 50
+"""The same under the gap rule, where each set costs more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +72,9 @@ def optimum(reading: Reading, largest: int, effort: int) -> Optimum:
 def _stages(reading: Reading, k: int, largest: int) -> Iterator[Times]:
     """Sets of times in the order of trying: all at once when they are few, else evenly spaced ones first."""
     count = number_of_sets(k, reading.columns, reading.cyclic)
-    if count > FEW:
-        yield even_sets(k, reading.columns, reading.cyclic)
+    gaps = any(t.gapped for t in reading.types)
+    if count > (FEW_WITH_GAPS if gaps else FEW):
+        yield even_sets(k, reading.columns, reading.cyclic, gaps)
     if count <= largest:
         yield every_set(k, reading.columns, reading.cyclic)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from gaitforge.footfall.constraints import BalanceRule, ChangeRule, ConstraintSet, LimbRule, StanceClause
 from gaitforge.footfall.problem import FootfallProblem
@@ -32,20 +32,6 @@ class LimbType:
     """Its time in swing is compared with that of others."""
     gapped: bool = False
     """It may not lift while another such limb lands."""
-
-    def with_rule(self, rule: LimbRule) -> LimbType:
-        """The type with one more rule."""
-        limits = [x for x in (self.most_changes, rule.most_changes) if x is not None]
-        return replace(
-            self,
-            most_changes=min(limits) if limits else None,
-            swing_runs=self.swing_runs | set(rule.forbidden_swing_runs),
-            stance_runs=self.stance_runs | set(rule.forbidden_stance_runs),
-            least_swing=max(self.least_swing, rule.least_swing),
-            least_stance=max(self.least_stance, rule.least_stance),
-            swing_in=self.swing_in | set(rule.swing_in),
-            stance_in=self.stance_in | set(rule.stance_in),
-        )
 
 
 @dataclass(frozen=True)
@@ -88,6 +74,7 @@ class _Collected:
     gapped: frozenset[int] = frozenset()
     spread: int | None = None
     per_limb: dict[int, list[LimbRule]] = field(default_factory=dict)
+    merged: dict[object, LimbType] = field(default_factory=dict)
 
     def add(self, rule: object, key: str) -> None:
         if isinstance(rule, LimbRule):
@@ -125,10 +112,40 @@ class _Collected:
         return [(s, c) for s, c in self.clauses.items() if c < len(s) - 1 or not any(t < s for t in hard)]
 
     def limb_type(self, i: int) -> LimbType:
-        found = LimbType(balanced=i in self.balanced, gapped=i in self.gapped)
-        for rule in self.per_limb.get(i, ()):
-            found = found.with_rule(rule)
-        return found
+        """All rules on a row as one; most limbs share theirs, so each combination is merged once."""
+        rules = self.per_limb.get(i, [])
+        flags = i in self.balanced, i in self.gapped
+        key = (*flags, *map(_demands, rules))
+        if key not in self.merged:
+            self.merged[key] = _merged(rules, *flags)
+        return self.merged[key]
+
+
+def _demands(rule: LimbRule) -> tuple[object, ...]:
+    """What a rule says, whichever limb it is about."""
+    return (
+        rule.most_changes,
+        rule.forbidden_swing_runs,
+        rule.forbidden_stance_runs,
+        rule.least_swing,
+        rule.least_stance,
+        rule.swing_in,
+        rule.stance_in,
+    )
+
+
+def _merged(rules: Sequence[LimbRule], balanced: bool, gapped: bool) -> LimbType:
+    return LimbType(
+        most_changes=min((r.most_changes for r in rules if r.most_changes is not None), default=None),
+        swing_runs=frozenset(length for r in rules for length in r.forbidden_swing_runs),
+        stance_runs=frozenset(length for r in rules for length in r.forbidden_stance_runs),
+        least_swing=max((r.least_swing for r in rules), default=0),
+        least_stance=max((r.least_stance for r in rules), default=0),
+        swing_in=frozenset(j for r in rules for j in r.swing_in),
+        stance_in=frozenset(j for r in rules for j in r.stance_in),
+        balanced=balanced,
+        gapped=gapped,
+    )
 
 
 def _check(limb_type: LimbType, problem: FootfallProblem) -> None:

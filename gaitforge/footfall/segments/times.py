@@ -29,25 +29,31 @@ def every_set(k: int, m: int, cyclic: bool) -> Times:
     return np.concatenate([np.zeros((len(found), 1), dtype=np.intp), found], axis=1) if cyclic else found
 
 
-def even_sets(k: int, m: int, cyclic: bool) -> Times:
-    """(N, k) sets that are likely to serve: even spacing between any first and last time, with short gaps too."""
+def even_sets(k: int, m: int, cyclic: bool, gaps: bool) -> Times:
+    """(N, k) sets that are likely to serve: even spacing between any first and last time.
+
+    With `gaps` also those in which every second part lasts one or two columns.
+    """
     if k < 2:
         return every_set(k, m, cyclic)
-    spans = [(0, m, k)] if cyclic else [(a, b, k - 1) for a in range(1, m) for b in range(a + k - 1, m)]
-    found = [_spaced(a, b, parts, gap) for a, b, parts in spans for gap in (None, 1, 2)]
-    kept = [row[:k] for row in found if row is not None]
-    return np.unique(np.array(kept, dtype=np.intp).reshape(-1, k), axis=0)
+    if cyclic:
+        first, last, parts = np.array([0]), np.array([m]), k
+    else:
+        first, last = np.triu_indices(m - 1, k - 1)
+        first, last, parts = first + 1, last + 1, k - 1
+    found = [_spaced(first, last, parts, gap) for gap in ((None, 1, 2) if gaps else (None,))]
+    return np.concatenate(found)[:, :k]
 
 
-def _spaced(start: int, end: int, parts: int, gap: int | None) -> list[int] | None:
-    """Ends of `parts` parts of [start, end], equal or every second one `gap` long; None when they do not fit."""
-    if gap is None:
-        return [start + (end - start) * p // parts for p in range(parts + 1)] if end - start >= parts else None
-    long, short = (parts + 1) // 2, parts // 2
-    room = end - start - short * gap
-    if room < long:
-        return None
-    return [start + room * ((p + 1) // 2) // long + gap * (p // 2) for p in range(parts + 1)]
+def _spaced(start: Times, end: Times, parts: int, gap: int | None) -> Times:
+    """(N', parts + 1) ends of the parts of [start, end], equal or every second one `gap` long; those that fit."""
+    part = np.arange(parts + 1)
+    long, share = (parts, part) if gap is None else ((parts + 1) // 2, (part + 1) // 2)
+    short = np.zeros_like(part) if gap is None else gap * (part // 2)
+    room = end - start - short[-1]
+    fits = room >= long
+    found: Times = start[fits, None] + room[fits, None] * share // long + short
+    return found
 
 
 def necklaces(times: Times, m: int) -> Times:
