@@ -18,8 +18,8 @@ from gaitforge.footfall.model import build_program, can_be_turned, check_pattern
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
-from gaitforge.footfall.seam import distinct_gaits
-from gaitforge.footfall.solvers.base import FootfallSolver, Solution
+from gaitforge.footfall.segments.listing import distinct_gaits
+from gaitforge.footfall.solvers.base import FootfallSolver, Listing, Solution
 from gaitforge.footfall.solvers.segments import Segments
 
 
@@ -111,22 +111,42 @@ def ties(
 
     Of cyclic patterns each gait is given once.
     """
-    program = build_program(problem, families)
     turnable = can_be_turned(problem, families)
-    if turnable and best.changes:
-        program = _with_seam_change(program)
-    found = options.solver.listing(
-        program,
-        most_changes=best.changes + slack,
-        limit=options.listing_limit,
-        time_limit_s=options.listing_s,
-        seed=options.seed,
-    )
+    most = best.changes + slack
+    found = _listed(problem, families, options, most) or _general_listing(problem, families, best, options, most)
     contacts = (best.contact, *found.contacts)
     kept = distinct_gaits(contacts) if turnable else list({c.tobytes(): c for c in contacts}.values())
     info = {**best.info, "ties": len(kept), "ties_complete": found.complete, "listing_s": found.solve_s}
     spread = np.unique(np.linspace(0, len(kept) - 1, min(len(kept), _sample(problem, options))).astype(int))
     return [_pattern(kept[k], problem, info) for k in spread]
+
+
+def _listed(
+    problem: FootfallProblem, families: Sequence[ConstraintSet], options: SearchOptions, most_changes: int
+) -> Listing | None:
+    """Ties by the search over change times, when it is the one to ask and can tell."""
+    if isinstance(options.solver, Segments):
+        return options.solver.ties(problem, families, most_changes, options.listing_limit)
+    return None
+
+
+def _general_listing(
+    problem: FootfallProblem,
+    families: Sequence[ConstraintSet],
+    best: FootfallPattern,
+    options: SearchOptions,
+    most_changes: int,
+) -> Listing:
+    program = build_program(problem, families)
+    if can_be_turned(problem, families) and best.changes:
+        program = _with_seam_change(program)
+    return options.solver.listing(
+        program,
+        most_changes=most_changes,
+        limit=options.listing_limit,
+        time_limit_s=options.listing_s,
+        seed=options.seed,
+    )
 
 
 def _sample(problem: FootfallProblem, options: SearchOptions) -> int:
@@ -150,6 +170,7 @@ def _info(solution: Solution, name: str, built: float) -> dict[str, object]:
         "status": solution.status,
         "objective": solution.objective,
         "bound": solution.bound,
+        "gap": solution.gap,
         "build_s": built + solution.build_s,
         "solve_s": solution.solve_s,
     }

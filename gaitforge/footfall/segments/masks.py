@@ -59,26 +59,91 @@ def _block(
     start: int,
     frames: NDArray[np.intp] | None,
 ) -> list[Availability]:
-    count = 1 if frames is None else len(frames)
-    words: list[list[NDArray[np.int64]]] = []
-    usable = np.ones((count, len(times)), dtype=bool)
-    for limb_type, rows in kinds:
-        allowed = allowed_options(rows, options, times, reading.columns)
-        lengths = swing_lengths(options, times, reading.columns) if limb_type.balanced else None
-        packed = _packed(allowed, lengths, frames, reading.spread)
-        usable &= np.logical_or.reduce([word != 0 for word in packed])
-        words.append(packed)
-    flat = np.flatnonzero(usable)
+    words = _words(reading, kinds, options, times, frames, reading.spread)
+    flat = _usable(words, len(times), frames)
     if not len(flat):
         return []
-    columns = [np.broadcast_to(word, usable.shape).reshape(-1)[flat] for packed in words for word in packed]
+    columns = [_column(word, flat, len(times)) for packed in words for word in packed]
     found = []
     for row in _distinct(columns):
         frame, which = divmod(int(flat[row]), len(times))
-        values = iter(int(column[row]) for column in columns)
-        bits = tuple(sum(next(values) << (WORD * w) for w in range(len(packed))) for packed in words)
+        bits = _joined(words, [int(column[row]) for column in columns])
         found.append(Availability(bits, start + which, None if frames is None else int(frames[frame])))
     return sorted(found, key=lambda a: -sum(b.bit_count() for b in a.options))
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What one time set offers for one shortest swing, for counting."""
+
+    options: tuple[int, ...]
+    """Per type the options it may take, as bits."""
+    shortest: tuple[int, ...]
+    """Per type those that swing for exactly the shortest time, 0 for types that are not compared."""
+    times: int
+    window: int | None
+
+
+def offers(reading: Reading, kinds: Sequence[tuple[LimbType, Rows]], options: Options, times: Times) -> list[Offer]:
+    """One per time set (N, k) and shortest swing for which every type has an option."""
+    frames = windows(reading) if reading.spread is not None else None
+    words = _words(reading, kinds, options, times, frames, reading.spread)
+    exact = _words(reading, kinds, options, times, frames, 0)
+    flat = _usable(words, len(times), frames)
+    rows = np.stack([_column(word, flat, len(times)) for packed in words for word in packed], axis=1).tolist()
+    short = np.stack([_column(word, flat, len(times)) for packed in exact for word in packed], axis=1).tolist()
+    found = []
+    for at, row, least in zip(flat.tolist(), rows, short, strict=True):
+        frame, which = divmod(at, len(times))
+        shortest = tuple(
+            bits if limb_type.balanced else 0 for bits, (limb_type, _) in zip(_joined(exact, least), kinds, strict=True)
+        )
+        window = None if frames is None else int(frames[frame])
+        if window is None or any(shortest):
+            found.append(Offer(_joined(words, row), shortest, which, window))
+    return found
+
+
+Words = list[list[NDArray[np.int64]]]
+"""Per type the options as bits, 62 a word, each word (1, N) or (W, N)."""
+
+
+def _words(
+    reading: Reading,
+    kinds: Sequence[tuple[LimbType, Rows]],
+    options: Options,
+    times: Times,
+    frames: NDArray[np.intp] | None,
+    spread: int | None,
+) -> Words:
+    lengths = swing_lengths(options, times, reading.columns) if frames is not None else None
+    found = []
+    for limb_type, rows in kinds:
+        allowed = allowed_options(rows, options, times, reading.columns)
+        found.append(_packed(allowed, lengths if limb_type.balanced else None, frames, spread))
+    return found
+
+
+def _usable(words: Words, count: int, frames: NDArray[np.intp] | None) -> NDArray[np.intp]:
+    """Pairs of window and time set, numbered row by row, for which every type has an option."""
+    usable = np.ones((1 if frames is None else len(frames), count), dtype=bool)
+    for packed in words:
+        usable &= np.logical_or.reduce([word != 0 for word in packed])
+    return np.flatnonzero(usable)
+
+
+def _column(word: NDArray[np.int64], flat: NDArray[np.intp], count: int) -> NDArray[np.int64]:
+    """(R,) a word at the pairs `flat`; one row of it says the same for every window."""
+    found: NDArray[np.int64] = word.reshape(-1)[flat if word.shape[0] > 1 else flat % count]
+    return found
+
+
+def _joined(words: Words, values: Sequence[int]) -> tuple[int, ...]:
+    """Per type one integer out of its words."""
+    if all(len(packed) == 1 for packed in words):
+        return tuple(values)
+    at = iter(values)
+    return tuple(sum(next(at) << (WORD * w) for w in range(len(packed))) for packed in words)
 
 
 def allowed_options(rows: Rows, options: Options, times: Times, m: int) -> NDArray[np.bool_]:

@@ -11,6 +11,7 @@ from gaitforge.footfall.constraints import ConstraintSet
 from gaitforge.footfall.constraints.base import require_at_least
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
+from gaitforge.footfall.segments.listing import tied_patterns
 from gaitforge.footfall.segments.optimum import optimum
 from gaitforge.footfall.segments.reading import NotUnderstood, read
 from gaitforge.footfall.solvers.base import FootfallSolver, Listing, Solution
@@ -53,6 +54,23 @@ class Segments:
         if found.proven:
             return Solution("infeasible", None, None, None, *taken), ""
         return Solution("unknown", None, None, found.bound, *taken), "too many change times to look at"
+
+    def ties(
+        self, problem: FootfallProblem, families: Sequence[ConstraintSet], most_changes: int, limit: int
+    ) -> Listing | None:
+        """Up to about `limit` distinct patterns with Σ y ≤ `most_changes`, of a gait one rotation each.
+
+        When there are more, they are spread evenly over all.  None when the general model has to list them.
+        """
+        start = time.perf_counter()
+        try:
+            reading = read(problem, families)
+        except NotUnderstood:
+            return None
+        found = tied_patterns(reading, most_changes, limit, self.largest, self.effort)
+        if found is None:
+            return None
+        return Listing(found.contacts, found.complete, time.perf_counter() - start)
 
     def minimize(self, program: Program, time_limit_s: float, seed: int) -> Solution:
         """The general model's answer."""
