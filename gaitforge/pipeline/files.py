@@ -49,11 +49,13 @@ def write_log_files(run: Run, verdict: Verdict) -> None:
 
 
 def write_report(run: Run, summary: Mapping[str, Any], verdict: Verdict | None) -> None:
-    """``report.html``, with the plots that there are."""
+    """``report.html``, with the plots that there are; ``clash.png`` when families of a pattern clash."""
+    from gaitforge.report.clash_plot import write_clash_png
     from gaitforge.report.page import write_report_html
 
-    footfall, speed = (_bytes(run.folder / name) for name in ("footfall.png", "speed.png"))
-    write_report_html(run.folder / "report.html", summary, footfall_png=footfall, speed_png=speed)
+    write_clash_png(run.folder / "clash.png", summary["explain"] or {})
+    footfall, speed, clash = (_bytes(run.folder / name) for name in ("footfall.png", "speed.png", "clash.png"))
+    write_report_html(run.folder / "report.html", summary, footfall_png=footfall, speed_png=speed, clash_png=clash)
 
 
 def _bytes(path: Path) -> bytes | None:

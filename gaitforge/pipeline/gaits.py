@@ -123,8 +123,17 @@ def _batches(
         attempts += [Attempt(what, why, 0.0) for what, why in found[0].info.get("left", ())]
         fresh = [p for p in found if p.contact.tobytes() not in seen]
         seen.update(p.contact.tobytes() for p in fresh)
+        if fresh and _goes_on(fresh[0]):
+            yield [fresh.pop(0)]
         size = options.search.gait_batch
         yield from (fresh[k : k + size] for k in range(0, len(fresh), size))
+
+
+def _goes_on(pattern: FootfallPattern) -> bool:
+    """Whether it is the gait before without a limb, and stable: then there is nothing to gain from another."""
+    from gaitforge.footfall.ranking import AMPLE
+
+    return pattern.info.get("operation") == "original" and float(pattern.info.get("margin_m", 0.0)) >= AMPLE
 
 
 def _synthesised(
