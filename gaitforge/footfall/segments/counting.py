@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from gaitforge.footfall.segments.options import Options
 from gaitforge.footfall.segments.placing import Counters, Effort
 
 Choice = tuple[int, int, int]
@@ -19,6 +18,8 @@ class Flags:
     times: int
     shortest: bool
     """Whether some limb has to swing for exactly the shortest time, so that no pattern is counted twice."""
+    gapped: bool
+    """Whether the gap rule is in force for any limb."""
 
     @property
     def needed(self) -> int:
@@ -35,18 +36,6 @@ class Flags:
         """Not 0 when a limb lifts while another lands."""
         k = self.times
         return (flags >> (k + 1)) & (flags >> (2 * k + 1)) & ((1 << k) - 1)
-
-
-def choices_for(
-    options: Options, counters: Counters, flags: Flags, limb: int, available: int, shortest: int, gapped: bool
-) -> list[Choice]:
-    """The options of a limb, both given as bits: those available, those that last the shortest time."""
-    found = []
-    for option in (o for o in range(options.count) if available >> o & 1):
-        adds = counters.spread(options.masks[option]) * counters.limbs[limb]
-        sets = flags.of(options.lifts[option], options.lands[option], bool(shortest >> option & 1), gapped)
-        found.append((option, adds, sets))
-    return found
 
 
 @dataclass(eq=False)
@@ -66,11 +55,11 @@ class Completions:
 
     def at(self, index: int) -> list[int]:
         """The options of the pattern with this number, 0 ≤ index < total, per limb in the order of placing."""
-        state, flags, found = self.counters.start, 0, []
+        state, flags, found, gapped = self.counters.start, 0, [], self.flags.gapped
         for p, choices in enumerate(self.choices):
             for option, adds, sets in choices:
                 after, seen = state + adds, flags | sets
-                if after & self.counters.guard or self.flags.clash(seen):
+                if after & self.counters.guard or (gapped and self.flags.clash(seen)):
                     continue
                 here = self._count(p + 1, after, seen)
                 if index < here:
@@ -88,10 +77,10 @@ class Completions:
         if known is not None:
             return known
         self.effort.spend()
-        total, guard = 0, self.counters.guard
+        total, guard, gapped = 0, self.counters.guard, self.flags.gapped
         for _, adds, sets in self.choices[p]:
             after, seen = state + adds, flags | sets
-            if not (after & guard or self.flags.clash(seen)):
+            if not (after & guard or (gapped and self.flags.clash(seen))):
                 total += self._count(p + 1, after, seen)
         self._known[key] = total
         return total

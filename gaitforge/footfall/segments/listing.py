@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.footfall.segments.bound import least_times
-from gaitforge.footfall.segments.counting import Completions, Flags, choices_for
+from gaitforge.footfall.segments.counting import Choice, Completions, Flags
 from gaitforge.footfall.segments.masks import Offer, offers
 from gaitforge.footfall.segments.optimum import contact_of, kinds_of
 from gaitforge.footfall.segments.options import options_for
@@ -86,6 +86,7 @@ class _Tied:
         self.options = options_for(k, reading.cyclic)
         self.order = [i for i, _ in limb_order(reading)]
         self.counters: Counters = counters_for(reading, self.options.segments)
+        self.spread = [self.counters.spread(mask) for mask in self.options.masks]
         every = every_set(k, reading.columns, reading.cyclic)
         self.times: Times = necklaces(every, reading.columns) if reading.cyclic else every
         self.counts: list[tuple[Offer, Completions, int]] = []
@@ -111,14 +112,26 @@ class _Tied:
         return True
 
     def _completions(self, offer: Offer) -> Completions:
-        flags = Flags(self.options.times, offer.window is not None)
+        flags = Flags(self.options.times, offer.window is not None, any(t.gapped for t in self.reading.types))
+        made: dict[object, list[Choice]] = {}
         choices = []
         for i in self.order:
-            t, gapped = self.kind[i], self.reading.types[i].gapped
-            choices.append(
-                choices_for(self.options, self.counters, flags, i, offer.options[t], offer.shortest[t], gapped)
-            )
+            key = (self.kind[i], self.counters.limbs[i])
+            if key not in made:
+                made[key] = self._choices(i, flags, offer)
+            choices.append(made[key])
         return Completions(choices, self.counters, flags, self.effort)
+
+    def _choices(self, limb: int, flags: Flags, offer: Offer) -> list[Choice]:
+        kind, gapped, unit = self.kind[limb], self.reading.types[limb].gapped, self.counters.limbs[limb]
+        found, rest = [], offer.options[kind]
+        while rest:
+            low = rest & -rest
+            option, rest = low.bit_length() - 1, rest ^ low
+            shortest = bool(offer.shortest[kind] & low)
+            sets = flags.of(self.options.lifts[option], self.options.lands[option], shortest, gapped)
+            found.append((option, self.spread[option] * unit, sets))
+        return found
 
     def patterns(self, limit: int) -> Iterable[Contact]:
         """All of them, or `limit` at even distances in the order of counting."""

@@ -95,13 +95,5 @@ def _first_fit(
 
 def contact_of(placed: Sequence[int], options: Options, times: NDArray[np.intp], m: int) -> NDArray[np.bool_]:
     """(n_F, m) C of one option per limb at the times (k,)."""
-    edges = [0, *(int(t) for t in times), m] if not options.cyclic else [*(int(t) for t in times), m]
-    if options.cyclic and len(edges) == 1:
-        edges = [0, m]
-    contact = np.ones((len(placed), m), dtype=bool)
-    for i, option in enumerate(placed):
-        mask = options.masks[option]
-        for s in range(options.segments):
-            if mask >> s & 1:
-                contact[i, edges[s] : edges[s + 1]] = False
-    return contact
+    edges = np.concatenate([[0] if not options.cyclic or not len(times) else [], times, [m]]).astype(np.intp)
+    return np.repeat(options.stance[list(placed)], np.diff(edges), axis=1)

@@ -32,6 +32,8 @@ class Options:
     lifts: tuple[int, ...]
     """Times at which the limb lifts, as bits, per option."""
     lands: tuple[int, ...]
+    stance: NDArray[np.bool_]
+    """(O, segments) which segments are in stance"""
     within: tuple[int, ...]
     """Options, as bits, whose mask is a proper part of this one's."""
 
@@ -44,17 +46,18 @@ class Options:
 @lru_cache(maxsize=64)
 def options_for(times: int, cyclic: bool) -> Options:
     """The options for k times."""
-    swing, stance = _pairs(times, cyclic)
+    swinging, standing = _pairs(times, cyclic)
     segments = max(times, 1) if cyclic else times + 1
     whole = (1 << segments) - 1
-    described = [_swing(a, b, times, cyclic) for a, b in swing]
-    described += [(whole & ~_between(a, b), 1 << (b - 1), 1 << (a - 1)) for a, b in stance]
+    described = [_swing(a, b, times, cyclic) for a, b in swinging]
+    described += [(whole & ~_between(a, b), 1 << (b - 1), 1 << (a - 1)) for a, b in standing]
     described += [(0, 0, 0)] + [(whole, 0, 0)] * cyclic
     masks = tuple(mask for mask, _, _ in described)
     within = tuple(sum(1 << o for o, p in enumerate(masks) if p & ~q == 0 and p != q) for q in masks)
+    stance = np.array([[not mask >> s & 1 for s in range(segments)] for mask in masks])
     lifts, lands = tuple(up for _, up, _ in described), tuple(down for _, _, down in described)
-    ends = _column(swing, 0), _column(swing, 1), _column(stance, 0), _column(stance, 1)
-    return Options(times, cyclic, *ends, segments, masks, lifts, lands, within)
+    ends = _column(swinging, 0), _column(swinging, 1), _column(standing, 0), _column(standing, 1)
+    return Options(times, cyclic, *ends, segments, masks, lifts, lands, stance, within)
 
 
 def _column(pairs: list[tuple[int, int]], side: int) -> NDArray[np.intp]:
