@@ -20,19 +20,20 @@ def candidates_without(
     """Every distinct pattern one operation away from the cyclic `original` with limb `lost` nonlocomotive.
 
     The first is the original with that limb free, then come *switched* and *separated* ones; `info` names
-    `operation`, `limbs` and `lost`.  Without `allowed` all have the columns of the original, whether or not the
-    families would have them; with it, only patterns that it allows are given, and a separated one takes
-    the fewest columns with which it is allowed, up to those that need no step to be shortened.
+    `operation`, `limbs` and `lost`, and `also` what else leads to the same pattern.  Without `allowed` all have
+    the columns of the original, whether or not the families would have them; with it, only patterns that it
+    allows are given, and a separated one takes the fewest columns with which it is allowed, up to those that
+    need no step to be shortened.
     """
     contact = original.contact.copy()
     contact[original.limbs.index(lost)] = False
     free = replace(original, contact=contact, source="candidate", relaxed=(), info=_info("original", lost))
-    kept: dict[tuple[int, bytes], FootfallPattern] = {}
+    kept: dict[tuple[int, bytes], list[FootfallPattern]] = {}
     for versions in ((free,), *_switched_all(free, lost), *_separated_all(free, lost)):
         chosen = next((p for p in versions if allowed is None or allowed(p)), None)
         if chosen is not None:
-            kept.setdefault((chosen.columns, canonical(chosen.contact)), chosen)
-    return tuple(kept.values())
+            kept.setdefault((chosen.columns, canonical(chosen.contact)), []).append(chosen)
+    return tuple(_once(alike) for alike in kept.values())
 
 
 def switched(pattern: FootfallPattern, a: str, b: str) -> FootfallPattern:
@@ -93,6 +94,13 @@ def _separated_all(free: FootfallPattern, lost: str) -> Iterator[tuple[FootfallP
         for long in (*separated(free, a, b, after=True), *separated(free, a, b, after=False)):
             named = replace(long, info=_info("separated", lost, a, b))
             yield tuple(merged(named, columns) for columns in range(free.columns, long.columns + 1))
+
+
+def _once(alike: list[FootfallPattern]) -> FootfallPattern:
+    """The first of patterns that are rotations of each other; it says what else leads to it."""
+    first, *others = alike
+    also = tuple(dict.fromkeys((p.info["operation"], *p.info["limbs"]) for p in others))
+    return replace(first, info={**first.info, "also": also})
 
 
 def _info(operation: str, lost: str, *limbs: str) -> dict[str, object]:
