@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gaitforge.errors import InputError, Problem
 from gaitforge.footfall.program import Program, Row
 from gaitforge.footfall.solvers.base import Listing, Solution, Status
+from gaitforge.footfall.solvers.interrupt import Interruptible
 
 DRAWS = 12
 """Patterns drawn along random directions when there are too many to list."""
@@ -85,14 +86,18 @@ class CpSat:
             cp_model.FEASIBLE: "feasible",
             cp_model.INFEASIBLE: "infeasible",
         }
+        found: Status = "unknown"
+        first = None
         if self.lean:
-            solver = self._solver(min(self.lean_time_s, time_limit_s), seed, lean=True)
-            status = names.get(solver.solve(model), "unknown")
-            time_limit_s -= solver.wall_time
-            if status in ("optimal", "infeasible") or time_limit_s <= 0:
-                return solver, status
+            first = self._solver(min(self.lean_time_s, time_limit_s), seed, lean=True)
+            code, interrupted = _solve(first, model)
+            found = names.get(code, "unknown")
+            time_limit_s -= first.wall_time
+            if found in ("optimal", "infeasible") or time_limit_s <= 0 or interrupted:
+                return first, found
         solver = self._solver(time_limit_s, seed, lean=False)
-        return solver, names.get(solver.solve(model), "unknown")
+        status = names.get(_solve(solver, model)[0], "unknown")
+        return (first, found) if status == "unknown" and first is not None else (solver, status)
 
     def _solver(self, time_limit_s: float, seed: int, lean: bool) -> Any:
         from ortools.sat.python import cp_model
@@ -100,6 +105,7 @@ class CpSat:
         solver = cp_model.CpSolver()
         parameters = solver.parameters
         parameters.num_workers, parameters.random_seed = self.workers, seed
+        parameters.catch_sigint_signal = False  # else Python never hears Ctrl-C again
         parameters.max_time_in_seconds = max(time_limit_s, 1e-3)
         if lean:
             parameters.max_presolve_iterations, parameters.cp_model_probing_level = 1, 0
@@ -127,7 +133,7 @@ class CpSat:
 
         solver = self._solver(time_limit_s, seed, lean=True)
         solver.parameters.num_workers, solver.parameters.enumerate_all_solutions = 1, True
-        status = solver.solve(model, Collect())
+        status, _ = _solve(solver, model, Collect())
         return bool(status in (cp_model.OPTIMAL, cp_model.INFEASIBLE))
 
     def _draw(
@@ -150,10 +156,16 @@ class CpSat:
             model.minimize(sum(int(w) * v for w, v in zip(weights, variables[:cells], strict=True)))
             solver = self._solver(deadline - time.perf_counter(), seed + draw, lean=True)
             solver.parameters.max_deterministic_time = DRAW_WORK
-            if solver.status_name(solver.solve(model)) not in ("OPTIMAL", "FEASIBLE"):
+            if solver.status_name(_solve(solver, model)[0]) not in ("OPTIMAL", "FEASIBLE"):
                 continue
             contact = _contact(program, solver, variables)
             found.setdefault(contact.tobytes(), contact)
+
+
+def _solve(solver: Any, model: Any, callback: Any = None) -> tuple[Any, bool]:
+    """CP-SAT's status, and whether Ctrl-C ended the search."""
+    search = Interruptible(lambda: solver.solve(model, callback), solver.stop_search)
+    return search.result(), search.interrupted
 
 
 def _translate(program: Program) -> tuple[Any, list[Any]]:
