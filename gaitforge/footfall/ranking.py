@@ -69,14 +69,14 @@ def ranked(
     patterns = list(patterns)
     if problem.footholds is None:
         return tuple(sorted(patterns, key=lambda p: p.changes))
-    judged = [_judged(pattern, problem, travel, by) for pattern in patterns]
-    return tuple(pattern for _, pattern in sorted(judged, key=lambda item: item[0]))
+    measured = [judged(pattern, problem, travel, by) for pattern in patterns]
+    return tuple(pattern for _, pattern in sorted(measured, key=lambda item: item[0]))
 
 
-def _judged(
+def judged(
     pattern: FootfallPattern, problem: FootfallProblem, travel: Travel, by: Ranking
 ) -> tuple[tuple[float, ...], FootfallPattern]:
-    """(sort key, the pattern with what was measured)."""
+    """(sort key, smaller is better; the pattern with what was measured); needs `problem.footholds`."""
     s = stability_of(pattern, problem, travel)
     rate = step_rate(pattern, stance_offsets(pattern, travel.ends), travel.ends)
     centroid = centroid_of(pattern, problem)

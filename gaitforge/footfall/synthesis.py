@@ -14,15 +14,23 @@ import numpy as np
 
 from gaitforge.errors import InfeasibleFootfall, InputError, Problem
 from gaitforge.footfall.constraints import ConstraintSet, Families, with_problem_families
-from gaitforge.footfall.from_robot import gait_problem, limbs_named, pattern_of, transition_problem
+from gaitforge.footfall.from_robot import gait_problem, limbs_named, pattern_of
 from gaitforge.footfall.gaps import gapped_first
 from gaitforge.footfall.given import alternating
 from gaitforge.footfall.lost_limb import Left, lost_limb, lost_limb_gaits
 from gaitforge.footfall.model import can_be_turned, check_pattern, check_problem
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.footfall.placement import offset_at
+from gaitforge.footfall.phases import (
+    PHASES,
+    Phases,
+    most_promising,
+    seam_problems,
+    shortest,
+    transition_travel,
+    with_seams,
+)
 from gaitforge.footfall.problem import FootfallProblem
-from gaitforge.footfall.ranking import RANKINGS, Ranking, Travel, diverse, ranked
+from gaitforge.footfall.ranking import RANKINGS, Ranking, Travel, diverse, judged, ranked
 from gaitforge.footfall.seam import at_grounded_seam, canonical
 from gaitforge.footfall.search import SearchOptions, passes, solve, ties
 from gaitforge.footfall.solvers.base import FootfallSolver
@@ -119,19 +127,23 @@ def synthesize_transition_pattern(
     before: Any,
     after: Any,
     *,
-    columns: int = 11,
+    columns: int | Literal["shortest"] = 11,
     from_column: int | None = None,
     to_column: int | None = None,
+    phases: Phases = "seam",
     constraints: Families | None = None,
     seed: int = 0,
     time_limit_s: float = 10.0,
     solver: FootfallSolver | None = None,
+    ranking: Ranking = "margin",
 ) -> FootfallPattern:
     """The best-ranked transition pattern between two patterns (or plans that have a `.pattern`).
 
     The first column is what the gait before does next (`from_column`, its column 0), the last what the gait
-    after would have done just before (`to_column`, its last column).  Raises InputError, InfeasibleFootfall
-    (with `explain["columns_needed"]` when more columns help) or UnsolvedError.
+    after would have done just before (`to_column`, its last column).  `phases`: *paper* takes the last column of
+    the one and the first of the other instead, *best* the best pair of columns; `info` says which were taken.
+    `columns`: their number, or *shortest* for the smallest one that has a pattern.  Raises InputError,
+    InfeasibleFootfall (with `explain["columns_needed"]` when more columns help) or UnsolvedError.
     """
     return transition_pattern_candidates(
         robot,
@@ -141,10 +153,12 @@ def synthesize_transition_pattern(
         limit=1,
         from_column=from_column,
         to_column=to_column,
+        phases=phases,
         constraints=constraints,
         seed=seed,
         time_limit_s=time_limit_s,
         solver=solver,
+        ranking=ranking,
     )[0]
 
 
@@ -153,41 +167,44 @@ def transition_pattern_candidates(
     before: Any,
     after: Any,
     *,
-    columns: int = 11,
+    columns: int | Literal["shortest"] = 11,
     limit: int = 8,
     from_column: int | None = None,
     to_column: int | None = None,
+    phases: Phases = "seam",
     slack: int = 1,
     constraints: Families | None = None,
     seed: int = 0,
     time_limit_s: float = 10.0,
     solver: FootfallSolver | None = None,
+    ranking: Ranking = "margin",
 ) -> tuple[FootfallPattern, ...]:
     """Up to `limit` transition patterns with Σ y ≤ optimum + `slack`, diverse, the most promising first.
 
     Ranked by static margin with each foot where it is before or after its own step, then by Σ y; arguments
     and errors as in `synthesize_transition_pattern`.
     """
-    problem = transition_problem(robot, before, after, columns, from_column, to_column)
-    check_problem(problem)
+    for key, value, known in (("phases", phases, PHASES), ("ranking", ranking, RANKINGS)):
+        if value not in known:
+            raise InputError(Problem("footfall", key, repr(value), "one of " + ", ".join(known)))
     families = with_problem_families(constraints)
     options = SearchOptions(solver or Segments(), seed, time_limit_s)
-    best = solve(problem, families, options)
-    seams = {key: problem.parameters[key] for key in ("from_column", "to_column")}
-    found = [replace(p, info={**p.info, **seams}) for p in ties(problem, families, best, options, slack)]
-    travel = _transition_travel(robot, problem, before, after)
-    return diverse(ranked(found, problem, travel), limit)
 
+    def problems_of(m: int) -> list[FootfallProblem]:
+        return seam_problems(robot, before, after, m, from_column, to_column, phases)
 
-def _transition_travel(robot: RobotModel, problem: FootfallProblem, before: Any, after: Any) -> Travel:
-    """Travel per column, and where each foot comes from and has to leave, in columns of the transition."""
-    nominal = robot.nominal
-    per_column = nominal.speed * nominal.transition_column_s
-    old, new = pattern_of(robot, before, "before"), pattern_of(robot, after, "after")
-    cycle = nominal.speed * nominal.duration
-    coming = offset_at(old, problem.parameters["from_column"]) * cycle / old.columns / per_column
-    leaving = offset_at(new, problem.parameters["to_column"] + 1) * cycle / new.columns / per_column
-    return Travel(np.array([per_column, 0.0]), (coming, leaving))
+    def travel(problem: FootfallProblem) -> Travel:
+        return transition_travel(robot, problem, before, after)
+
+    problems = problems_of(shortest(problems_of, families, options) if columns == "shortest" else columns)
+    if len(problems) > 1:
+        problems = most_promising(problems, families, options, travel, ranking) or problems[:1]
+    measured = []
+    for problem in problems:
+        best = solve(problem, families, options)
+        for tie in ties(problem, families, best, options, slack):
+            measured.append(judged(with_seams(tie, problem), problem, travel(problem), ranking))
+    return diverse([pattern for _, pattern in sorted(measured, key=lambda item: item[0])], limit)
 
 
 def _cascade(
