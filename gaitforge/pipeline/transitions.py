@@ -91,7 +91,7 @@ def _patterns(
         with watch.stage("footfall"):
             found = transition_pattern_candidates(
                 robot, before.pattern, after.pattern, columns=columns, limit=options.search.transition_candidates,
-                **options.footfall,
+                slack=options.search.transition_slack, phases=options.search.transition_phases, **options.footfall,
             )  # fmt: skip
     except (InfeasibleFootfall, UnsolvedError) as error:
         attempts.append(Attempt(f"pattern of {columns} columns", str(error), time.perf_counter() - begin))
