@@ -45,6 +45,9 @@ class Program:
     bounds: list[tuple[int, int]] = field(default_factory=list)
     """Smallest and largest value per variable."""
     rows: list[Row] = field(default_factory=list)
+    exact: bool = True
+    """Whether every C has one value of all other variables, which listing needs; without it x and y are only
+    bounded from below, which is enough to minimise Σ y and makes a much smaller program."""
 
     def __post_init__(self) -> None:
         n, m = len(self.problem.limbs), self.problem.columns
@@ -122,6 +125,9 @@ class Program:
         self.bounds += [(0, 1)] * (n * count)
         self._y = len(self.bounds)
         self.bounds += [(0, 1)] * count
+        if not self.exact:
+            self._bound_changes()
+            return
         self._z = len(self.bounds)
         self.bounds += [(0, n)] * count
         for j, (here, there) in enumerate(self.boundaries):
@@ -135,6 +141,15 @@ class Program:
             self.row([(z, 1)] + [(self.change(i, j), -1) for i in range(n)], 0, 0, "h1")
             self.row([(z, 1), (y, -n)], None, 0, "h2")
             self.row([(z, 1), (y, -1)], 0, None, "h2")
+
+    def _bound_changes(self) -> None:
+        """x_ij ≥ |C_ij − C_i,j+1| and y_j ≥ x_ij: the program's optimum is the same."""
+        for j, (here, there) in enumerate(self.boundaries):
+            for i in range(len(self.problem.limbs)):
+                a, b, x = self.contact(i, here), self.contact(i, there), self.change(i, j)
+                self.clause([x, b], [a], "h1")
+                self.clause([x, a], [b], "h1")
+                self.clause([self.changed(j)], [x], "h2")
 
     def matrix(self, values: NDArray[np.int_]) -> NDArray[np.bool_]:
         """(n_F, m) C out of one value per variable."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.constraints import ConstraintSet
 from gaitforge.footfall.counting import counting_clash
 from gaitforge.footfall.explain import explain_infeasible, infeasible_footfall
-from gaitforge.footfall.model import build_program, can_be_turned, check_pattern, check_problem
+from gaitforge.footfall.model import build_program, can_be_turned, check_pattern, check_problem, is_data
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
@@ -52,7 +52,7 @@ def solve(problem: FootfallProblem, families: Sequence[ConstraintSet], options: 
         return _pattern(direct.contact, problem, _info(direct, "segments", 0.0))
     if direct.status == "infeasible" or counting_clash(problem, families) is not None:
         raise infeasible_footfall(explain_infeasible(problem, families, options.solver, options.seed))
-    program = build_program(problem, families)
+    program = build_program(problem, families, exact=not is_data(families))
     if direct.bound:
         program.row([(y, 1) for y in program.objective], direct.bound, None, "bound")
     built = time.perf_counter() - start
@@ -88,8 +88,18 @@ def _minimize(program: Program, turnable: bool, options: SearchOptions) -> Solut
     if turnable:
         solution = options.solver.minimize(_with_seam_change(program), options.time_limit_s, options.seed)
         if solution.status != "infeasible":
-            return solution
-    return options.solver.minimize(program, options.time_limit_s, options.seed)
+            return _recounted(solution, program)
+    return _recounted(options.solver.minimize(program, options.time_limit_s, options.seed), program)
+
+
+def _recounted(solution: Solution, program: Program) -> Solution:
+    """Σ y as it is in the pattern: y is only bounded from below, and the row of the seam may have raised it."""
+    if solution.contact is None:
+        return solution
+    problem = program.problem
+    changes = FootfallPattern(solution.contact, problem.limbs, problem.cyclic).changes
+    bound = solution.bound if solution.bound is None else min(solution.bound, changes)
+    return replace(solution, objective=changes, bound=bound)
 
 
 def _with_seam_change(program: Program) -> Program:

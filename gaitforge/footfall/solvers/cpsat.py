@@ -178,12 +178,13 @@ def _translate(program: Program) -> tuple[Any, list[Any]]:
         for low, high in program.bounds
     ]
     boolean = [bounds == (0, 1) for bounds in program.bounds]
+    constraints = model.proto.constraints  # straight into the protocol buffer: half of the time of the methods
     for row in program.rows:
         literals = _literals(row, boolean)
         if literals is not None:
-            model.add_bool_or([variables[v] if positive else ~variables[v] for v, positive in literals])
+            constraints.add().bool_or.literals.extend([v if positive else -v - 1 for v, positive in literals])
         else:
-            _add_linear(model, variables, row)
+            _add_linear(constraints.add().linear, row, cp_model.INT_MIN, cp_model.INT_MAX)
     return model, variables
 
 
@@ -195,13 +196,10 @@ def _literals(row: Row, boolean: list[bool]) -> list[tuple[int, bool]] | None:
     return [(v, c > 0) for v, c in row.terms] if row.lower == 1 - negative else None
 
 
-def _add_linear(model: Any, variables: list[Any], row: Row) -> None:
-    from ortools.sat.python import cp_model
-
-    expression = cp_model.LinearExpr.weighted_sum([variables[v] for v, _ in row.terms], [c for _, c in row.terms])
-    low = cp_model.INT_MIN if row.lower is None else row.lower
-    high = cp_model.INT_MAX if row.upper is None else row.upper
-    model.add_linear_constraint(expression, low, high)
+def _add_linear(linear: Any, row: Row, least: int, most: int) -> None:
+    linear.vars.extend([v for v, _ in row.terms])
+    linear.coeffs.extend([c for _, c in row.terms])
+    linear.domain.extend([least if row.lower is None else row.lower, most if row.upper is None else row.upper])
 
 
 def _contact(program: Program, source: Any, variables: list[Any]) -> NDArray[np.bool_]:
