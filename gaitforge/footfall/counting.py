@@ -49,11 +49,12 @@ class Clash:
             "proof": self.proof,
             "columns_needed": self.columns_needed,
             "demands": [demand.as_dict() for demand in self.demands],
-            "pattern": None if self.problem is None else _frame(self.problem),
+            "pattern": None if self.problem is None else frame_of(self.problem),
         }
 
 
-def _frame(problem: FootfallProblem) -> dict[str, Any]:
+def frame_of(problem: FootfallProblem) -> dict[str, Any]:
+    """`explain["pattern"]`: the rows and columns that a picture of the clash has."""
     return {
         "limbs": list(problem.limbs),
         "limbs_locomotive": list(problem.locomotive_anywhere),

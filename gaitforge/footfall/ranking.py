@@ -44,7 +44,7 @@ UNHURRIED = 5.0
 
 
 def stability_of(pattern: FootfallPattern, problem: FootfallProblem, travel: Travel) -> Stability:
-    """Margins and centroid heuristic of a pattern over the problem's footholds; needs `problem.footholds`."""
+    """Margins of a pattern over the problem's footholds; needs `problem.footholds`."""
     assert problem.footholds is not None
     holds = problem.footholds
     offsets = stance_offsets(pattern, travel.ends)  # (n_F, m, 2)

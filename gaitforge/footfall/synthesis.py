@@ -14,6 +14,8 @@ import numpy as np
 
 from gaitforge.errors import InfeasibleFootfall, InputError, Problem
 from gaitforge.footfall.constraints import ConstraintSet, Families, with_problem_families
+from gaitforge.footfall.counting import frame_of
+from gaitforge.footfall.demands import demands_of
 from gaitforge.footfall.from_robot import gait_problem, limbs_named, pattern_of
 from gaitforge.footfall.gaps import gapped_first
 from gaitforge.footfall.given import alternating
@@ -199,6 +201,7 @@ def transition_pattern_candidates(
     problems = problems_of(shortest(problems_of, families, options) if columns == "shortest" else columns)
     if len(problems) > 1:
         problems = most_promising(problems, families, options, travel, ranking) or problems[:1]
+        options = replace(options, sample=options.sample // len(problems))
     measured = []
     for problem in problems:
         best = solve(problem, families, options)
@@ -313,6 +316,8 @@ def _unfit(
         "text": f"{text} {broken[0].text}.",
         "advice": advice,
         "proof": "check",
+        "demands": [d.as_dict() for d in demands_of(problem, families, keys, sorted(limbs))],
+        "pattern": frame_of(problem),
     }
     return InfeasibleFootfall(f"{text} {broken[0].text}. {advice}", explain)
 

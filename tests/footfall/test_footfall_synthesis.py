@@ -191,6 +191,7 @@ def test_a_wave_or_a_tripod_can_be_asked_for_and_says_why_when_it_does_not_do(he
     with pytest.raises(InfeasibleFootfall) as caught:
         synthesize_gait_pattern(hexapod, locomotive=("L3", "R1", "R2", "R3"), method="wave")
     assert caught.value.explain["families"] == ["g9"]
+    assert [d["family"] for d in caught.value.explain["demands"]] == ["g9"]
 
 
 def test_the_program_finds_no_more_changes_than_the_tripod_has(hexapod):
