@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -139,56 +139,92 @@ def place_swaying(robot: RobotModel, problem: FootfallProblem, pattern: Footfall
     return _settled(reach, cases, stance, times, m if pattern.cyclic else None)
 
 
-def placed_pattern(
-    robot: RobotModel, problem: FootfallProblem, families: Sequence[ConstraintSet], options: SearchOptions
-) -> tuple[FootfallProblem, tuple[ConstraintSet, ...], FootfallPattern]:
-    """A pattern with the least Σ y over placed footholds, with the problem and the families that it satisfies.
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A gait problem over placed footholds, and the families with which its patterns are looked for."""
 
-    δ of g11 is the largest of its margins that holds; a smaller one than asked for stands in `relaxed`.
-    `info` gets delta_m, support_margin_m, body_shift_m and footholds_m.  Raises InfeasibleFootfall (of g1–g10
-    where these clash already, else naming g11) and UnsolvedError.
+    robot: RobotModel
+    problem: FootfallProblem
+    families: tuple[ConstraintSet, ...]
+    """g11 has the δ that holds; it is left out where the body has to sway"""
+    asked: SupportSectors | None
+    """g11 as the user asked for it; None where it is not among the families"""
+    placement: Placement | None = None
+
+    def finish(self, patterns: Iterable[FootfallPattern]) -> list[FootfallPattern]:
+        """The patterns with their margin, δ and placement in `info`; of a swaying body those with a margin alone."""
+        if self.asked is None:
+            return list(patterns)
+        if self.placement is not None:
+            delta = next(f.delta for f in self.families if isinstance(f, SupportSectors))
+            return [_reported(p, self.problem, self.placement, self.asked.delta, delta) for p in patterns]
+        swaying = [swayed(self.robot, p, self.problem, self.asked) for p in patterns]
+        return [p for p in swaying if p.info["delta_m"] is not None]
+
+
+def prepared(
+    robot: RobotModel, problem: FootfallProblem, families: Sequence[ConstraintSet], options: SearchOptions
+) -> Prepared:
+    """The problem over placed footholds and the families with the largest δ of g11 that has a pattern there.
+
+    Without g11 among the families both are as they were.
     """
-    g11 = sectors_of(families)
+    g11, families = sectors_of(families), tuple(families)
     if g11 is None:
-        return problem, tuple(families), solve(problem, families, options)
+        return Prepared(robot, problem, families, None)
     placement = place(robot, problem, families, options)
     if placement is not None:
         there = placement.on(problem)
         for delta in (d for d in g11.margins if d <= placement.margin):
             chosen = with_margin(families, delta)
-            try:
-                pattern = solve(there, chosen, options)
-            except InfeasibleFootfall:
-                continue
-            return there, chosen, _reported(pattern, there, placement, g11.delta, delta)
-    return _swaying_pattern(robot, problem, families, options, g11)
+            if _any_pattern(there, chosen, options) is not None:
+                return Prepared(robot, there, chosen, g11, placement)
+    return Prepared(robot, problem, tuple(f for f in families if f is not g11), g11)
 
 
-def _swaying_pattern(
-    robot: RobotModel,
-    problem: FootfallProblem,
-    families: Sequence[ConstraintSet],
-    options: SearchOptions,
-    g11: SupportSectors,
-) -> tuple[FootfallProblem, tuple[ConstraintSet, ...], FootfallPattern]:
-    """The pattern without g11 that has the largest margin under a body that sways; what `placed_pattern` returns."""
-    rest, tried = _without_g11(problem, families, options)
-    best: tuple[FootfallPattern, Placement] | None = None
-    for pattern in tried:
-        placement = place_swaying(robot, problem, pattern)
-        if placement is not None and (best is None or placement.margin > best[1].margin + GRAIN):
-            best = pattern, placement
-    reached = [d for d in g11.margins if best is not None and d <= best[1].margin]
-    if best is None or not reached:
-        solve(problem, with_margin(families, g11.margins[-1]), options)  # raises, naming g11
-        raise InfeasibleFootfall("no footholds within reach give any pattern the margin g11 asks for")
-    pattern, placement = best
-    there = placement.on(problem)
-    return there, rest, _reported(pattern, there, placement, g11.delta, reached[0])
+def placed_pattern(
+    robot: RobotModel, problem: FootfallProblem, families: Sequence[ConstraintSet], options: SearchOptions
+) -> FootfallPattern:
+    """A pattern with the least Σ y over placed footholds; of a swaying body the tie with the largest margin.
+
+    δ of g11 is the largest of its margins that holds; a smaller one than asked for stands in `relaxed`.
+    `info` gets delta_m, support_margin_m, body_shift_m, footholds_m, center_of_mass_m and, where the body
+    sways, sway_m.  Raises InfeasibleFootfall (of g1–g10 where these clash already, else naming g11) and
+    UnsolvedError.
+    """
+    ready = prepared(robot, problem, families, options)
+    if ready.placement is not None or ready.asked is None:
+        return ready.finish([solve(ready.problem, ready.families, options)])[0]
+    _, tried = _without_g11(problem, families, options)  # raises where g11 is not to blame
+    found = ready.finish(tried)
+    if not found:
+        raise no_margin(problem, families, options)
+    return max(found, key=lambda p: round(p.info["support_margin_m"] / GRAIN))
+
+
+def no_margin(problem: FootfallProblem, families: Sequence[ConstraintSet], options: SearchOptions) -> Exception:
+    """What to raise when no footholds give a pattern a margin: a proof for the nominal ones, else *unsolved*."""
+    g11 = sectors_of(families)
+    try:
+        solve(problem, families if g11 is None else with_margin(families, g11.margins[-1]), options)
+    except InfeasibleFootfall as error:
+        return error
+    return UnsolvedError("no footholds within reach were found that give a pattern the margin g11 asks for")
+
+
+def swayed(
+    robot: RobotModel, pattern: FootfallPattern, problem: FootfallProblem, g11: SupportSectors
+) -> FootfallPattern:
+    """The pattern with the margin that a swaying body has over it; delta_m is None where that is below all of g11's."""
+    placement = place_swaying(robot, problem, pattern)
+    if placement is None:
+        return replace(pattern, info={**pattern.info, "delta_m": None, "support_margin_m": None})
+    delta = next((d for d in g11.margins if d <= placement.margin), None)
+    return _reported(pattern, placement.on(problem), placement, g11.delta, delta)
 
 
 def _reported(
-    pattern: FootfallPattern, problem: FootfallProblem, placement: Placement, asked: float, delta: float
+    pattern: FootfallPattern, problem: FootfallProblem, placement: Placement, asked: float, delta: float | None
 ) -> FootfallPattern:
     assert problem.footholds is not None
     margin = placement.margin
@@ -202,7 +238,10 @@ def _reported(
         "footholds_m": problem.footholds.tolist(),
         "center_of_mass_m": problem.center_of_mass.tolist(),
     }
-    notes = [f"g11: margin of {1000 * delta:g} mm instead of {1000 * asked:g} mm"] if delta < asked else []
+    notes = []
+    if delta is None or delta < asked:
+        held = margin if delta is None else delta
+        notes.append(f"g11: margin of {1000 * held:.3g} mm instead of {1000 * asked:g} mm")
     if placement.path is not None:
         info["sway_m"] = placement.path.tolist()
         sway = 1000 * float(np.ptp(placement.path, axis=0).max())

@@ -21,7 +21,7 @@ RAYS = 8
 """Directions in which the reach is looked for"""
 STEP = 0.02
 """[m] along a ray"""
-FARTHEST = 0.14
+FARTHEST = 0.2
 """[m] from the nominal foothold that a foot gets, its swing ahead and behind included"""
 JOINT_MARGIN = 0.1
 """[rad] kept from the limits of the joints"""
