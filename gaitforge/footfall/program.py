@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gaitforge.footfall.problem import FootfallProblem
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Row:
     """lower ≤ Σ coefficient · variable ≤ upper; None leaves a side open."""
 
@@ -112,11 +112,11 @@ class Program:
         columns: tuple[int, ...] = (),
     ) -> None:
         """At least one of the 0/1 variables `true` is 1, or one of `false` is 0."""
-        positive, negative = set(true), set(false)
-        if positive & negative:
+        positive, negative = dict.fromkeys(true, 1), dict.fromkeys(false, -1)
+        if not positive.keys().isdisjoint(negative):
             return  # always so: a window that wraps onto itself
-        terms = [(v, 1) for v in sorted(positive)] + [(v, -1) for v in sorted(negative)]
-        self.rows.append(Row(tuple(terms), 1 - len(negative), None, family, limbs, columns))
+        terms = (*sorted(positive.items()), *sorted(negative.items()))
+        self.rows.append(Row(terms, 1 - len(negative), None, family, limbs, columns))
 
     def _count_changes(self) -> None:
         """h1: z_j = Σ_i x_ij with x_ij = C_ij ⊕ C_i,j+1; h2: (y_j − 1) z_j = 0, and y_j = 0 where z_j = 0."""

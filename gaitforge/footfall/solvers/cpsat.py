@@ -182,18 +182,25 @@ def _translate(program: Program) -> tuple[Any, list[Any]]:
     for row in program.rows:
         literals = _literals(row, boolean)
         if literals is not None:
-            constraints.add().bool_or.literals.extend([v if positive else -v - 1 for v, positive in literals])
+            constraints.add().bool_or.literals.extend(literals)
         else:
             _add_linear(constraints.add().linear, row, cp_model.INT_MIN, cp_model.INT_MAX)
     return model, variables
 
 
-def _literals(row: Row, boolean: list[bool]) -> list[tuple[int, bool]] | None:
-    """The row as a clause, when it is one: Σ ± v ≥ 1 − (number of minus signs) over 0/1 variables."""
-    if row.upper is not None or not all(boolean[v] and abs(c) == 1 for v, c in row.terms):
+def _literals(row: Row, boolean: list[bool]) -> list[int] | None:
+    """The row as a clause, when it is one: Σ ± v ≥ 1 − (number of minus signs) over 0/1 variables; ¬v is −v − 1."""
+    if row.upper is not None:
         return None
-    negative = sum(c < 0 for _, c in row.terms)
-    return [(v, c > 0) for v, c in row.terms] if row.lower == 1 - negative else None
+    literals, negative = [], 0
+    for v, c in row.terms:
+        if not boolean[v] or (c != 1 and c != -1):
+            return None
+        if c < 0:
+            negative += 1
+            v = -v - 1
+        literals.append(v)
+    return literals if row.lower == 1 - negative else None
 
 
 def _add_linear(linear: Any, row: Row, least: int, most: int) -> None:
