@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -93,8 +94,11 @@ class Workers:
     _pool: ProcessPoolExecutor | None = field(default=None, repr=False)
 
     def run(self, tries: Sequence[Try]) -> list[Result]:
-        """The results of all tries, in their order; the first is made here, where no process has to be started."""
-        if self.count < 2 or len(tries) < 2 or current_process().daemon:
+        """The results of all tries, in their order; the first is made here, where no process has to be started.
+
+        Where other work keeps the cores busy all of them are made here: side by side they would only be slower.
+        """
+        if self.count < 2 or len(tries) < 2 or current_process().daemon or not room_for_more():
             return [attempt(one) for one in tries]
         futures = [self._submit(one) for one in tries[1:]]
         results = [attempt(tries[0])]
@@ -133,8 +137,14 @@ class Workers:
         self.close()
 
 
+def room_for_more() -> bool:
+    """Whether a core is likely to be free: the load of the last minute, this process's own included."""
+    if not hasattr(os, "getloadavg"):
+        return True
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return os.getloadavg()[0] <= cores - 0.5
+
+
 def _one_thread() -> None:
     """Before anything heavy is loaded: processes are the parallelism."""
-    import os
-
     os.environ.update(dict.fromkeys(THREADS, "1"))

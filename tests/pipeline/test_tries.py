@@ -13,7 +13,7 @@ from gaitforge.errors import InfeasibleMotion, InputError, UnsolvedError
 from gaitforge.footfall.given import alternating
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import Command, MotionPlan, SolveReport
-from gaitforge.pipeline.tries import Result, Try, Workers, attempt, cheapest
+from gaitforge.pipeline.tries import Result, Try, Workers, attempt, cheapest, room_for_more
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.model import RobotModel
 
@@ -79,6 +79,12 @@ def tries(robot: RobotModel) -> list[Try]:
     ]
 
 
+@pytest.fixture
+def idle(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gaitforge.pipeline.tries.room_for_more", lambda: True)
+
+
+@pytest.mark.usefixtures("idle")
 def test_processes_give_what_one_process_gives_in_the_order_of_the_tries(hexapod: RobotModel) -> None:
     asked = tries(hexapod)
     alone = Workers(1).run(asked)
@@ -104,6 +110,16 @@ def test_no_process_is_started_for_a_single_try(hexapod: RobotModel, monkeypatch
     assert result.plan is not None
 
 
+def test_no_process_is_started_on_a_machine_that_is_busy(hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.getloadavg", lambda: (64.0, 64.0, 64.0))
+    monkeypatch.setattr(Workers, "_submit", lambda self, one: pytest.fail("a process was started"))
+    with Workers(2) as workers:
+        assert len(workers.run(tries(hexapod)[:2])) == 2
+    monkeypatch.setattr("os.getloadavg", lambda: (0.0, 0.0, 0.0))
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
+    assert room_for_more()
+
+
 class Dead:
     """A future of a process that has died."""
 
@@ -114,6 +130,7 @@ class Dead:
         raise BrokenProcessPool("died")
 
 
+@pytest.mark.usefixtures("idle")
 def test_what_a_dead_process_leaves_undone_is_done_here(hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Workers, "_submit", lambda self, one: Dead())
     with Workers(2) as workers:
