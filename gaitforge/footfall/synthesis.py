@@ -31,6 +31,7 @@ from gaitforge.footfall.phases import (
     transition_travel,
     with_seams,
 )
+from gaitforge.footfall.placement.place import placed_pattern, prepared, sectors_of, swayed
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.ranking import RANKINGS, Ranking, Travel, diverse, judged, ranked
 from gaitforge.footfall.seam import at_grounded_seam, canonical
@@ -110,6 +111,8 @@ def gait_pattern_candidates(
     problem, families = gait_problem(robot, locomotive, columns), with_problem_families(constraints)
     check_problem(problem)
     options = SearchOptions(solver or Segments(), seed, time_limit_s)
+    asked, ready = (problem, families), prepared(robot, problem, families, options)
+    problem, families = ready.problem, ready.families
     travel = Travel(np.array([robot.nominal.speed * robot.nominal.duration / columns, 0.0]))
     if method == "tripod":
         found = _tripod(problem, families, required=True)
@@ -121,7 +124,8 @@ def gait_pattern_candidates(
         gait_before = None if original is None else pattern_of(robot, original, "original")
         found = _cascade(problem, families, travel, options, limit, gait_before, ranking)
     turnable = can_be_turned(problem, families)
-    return _once(at_grounded_seam(pattern) if turnable else pattern for pattern in found)[:limit]
+    chosen = _once(at_grounded_seam(pattern) if turnable else pattern for pattern in found)[:limit]
+    return tuple(ready.finish(chosen)) or (placed_pattern(robot, *asked, options),)
 
 
 def synthesize_transition_pattern(
@@ -184,12 +188,15 @@ def transition_pattern_candidates(
     """Up to `limit` transition patterns with Σ y ≤ optimum + `slack`, diverse, the most promising first.
 
     Ranked by static margin with each foot where it is before or after its own step, then by Σ y; arguments
-    and errors as in `synthesize_transition_pattern`.
+    and errors as in `synthesize_transition_pattern`.  g11 does not choose a transition: the body is on its way;
+    the margin that placed footholds give it stands in `info` and, when below δ, in `relaxed`.
     """
     for key, value, known in (("phases", phases, PHASES), ("ranking", ranking, RANKINGS)):
         if value not in known:
             raise InputError(Problem("footfall", key, repr(value), "one of " + ", ".join(known)))
     families = with_problem_families(constraints)
+    g11 = sectors_of(families)
+    families = tuple(f for f in families if f is not g11)
     options = SearchOptions(solver or Segments(), seed, time_limit_s)
 
     def problems_of(m: int) -> list[FootfallProblem]:
@@ -207,7 +214,8 @@ def transition_pattern_candidates(
         best = solve(problem, families, options)
         for tie in ties(problem, families, best, options, slack):
             measured.append(judged(with_seams(tie, problem), problem, travel(problem), ranking))
-    return diverse([pattern for _, pattern in sorted(measured, key=lambda item: item[0])], limit)
+    found = diverse([pattern for _, pattern in sorted(measured, key=lambda item: item[0])], limit)
+    return found if g11 is None else tuple(swayed(robot, p, problems[0], g11) for p in found)
 
 
 def _cascade(

@@ -256,15 +256,25 @@ def _begin(
     none = np.zeros_like(reach.footholds)
     best: tuple[Array, float, NDArray[np.bool_] | None] = none, 0.0, None
     for shift in SHIFTS:
-        offsets = none.copy()
-        for i in reach.walking:
-            offsets[i] = _within(reach, i, np.array([-shift, 0.0]))
+        offsets = _shifted(reach, shift)
         margin, contact = _best_pattern(reach, problem, families, options, offsets, best[1])
         if contact is not None:
             best = offsets, margin, contact
         if best[1] >= AMPLE:
             break
     return best
+
+
+def _shifted(reach: Reach, shift: float) -> Array:
+    """Offsets of the feet for a body that much ahead [m], as far as reach and neighbours let them follow."""
+    offsets = np.zeros_like(reach.footholds)
+    for part in (1.0, 0.75, 0.5, 0.25):
+        for i in reach.walking:
+            offsets[i] = _within(reach, i, np.array([-part * shift, 0.0]))
+        ahead = (reach.footholds + offsets)[:, 0]
+        if all(ahead[a] - ahead[b] >= least - GRAIN for a, b, least in reach.neighbours):
+            return offsets
+    return np.zeros_like(reach.footholds)
 
 
 def _within(reach: Reach, limb: int, offset: Array) -> Array:
