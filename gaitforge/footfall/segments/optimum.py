@@ -16,7 +16,7 @@ from gaitforge.footfall.segments.reading import LimbType, Reading
 from gaitforge.footfall.segments.rows import Rows, rows_of_type
 from gaitforge.footfall.segments.times import Times, even_sets, every_set, number_of_sets
 
-FEW = 2_000
+FEW = 300
 """Sets of times that are all looked at at once, without trying even spacing first."""
 FEW_WITH_GAPS = 50
 """The same under the gap rule, where each set costs more."""
