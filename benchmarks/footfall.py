@@ -10,6 +10,7 @@ the page says so.  The page is written to docs/results/footfall_benchmark.md.
 from __future__ import annotations
 
 import argparse
+import os
 import platform
 import time
 from collections.abc import Callable, Sequence
@@ -191,6 +192,8 @@ def versions(missing: Sequence[str]) -> list[str]:
     """What the numbers were made with."""
     known = [f"{name} {metadata.version(name)}" for name in PACKAGES if find_spec(name)]
     found = f"Python {platform.python_version()}, {', '.join(known)}; {platform.machine()}, one thread each."
+    if hasattr(os, "getloadavg"):
+        found += f" Load of the machine's {os.cpu_count()} cores at the end: {os.getloadavg()[2]:.1f} over 15 minutes."
     return [found, *[f"Skipped, not installed: {name}." for name in missing]]
 
 
@@ -200,6 +203,7 @@ def page(arguments: argparse.Namespace) -> str:
     n, limit = arguments.seeds, arguments.limit
     today = datetime.now(UTC).date().isoformat()
     command = f"python -m benchmarks.footfall --seeds {n} --limit {limit:g}"
+    tables = _tables(runs, n, limit)
     return "\n".join(
         [
             "# Footfall patterns: speed",
@@ -211,30 +215,36 @@ def page(arguments: argparse.Namespace) -> str:
             "pattern was checked by every family, outside the clock. *optimal* is proven. All solvers but the "
             "quadratic one get the same rows.",
             "",
-            "## Transitions",
-            "",
-            *compared(transitions(), runs, n, limit),
-            "",
-            "## Gaits",
-            "",
-            *compared(gaits(), runs, n, limit),
-            "",
-            "## Ties",
-            "",
-            "All distinct gaits, rotations counted once, from the known optimum.",
-            "",
-            *listed(n),
-            "",
-            "## Growth",
-            "",
-            "Transitions from all in stance to all in stance, by the search over change times alone. Feet at ±0.28 m, "
-            "spaced 0.12 m (48 limbs: ±0.30 m, 0.10 m), δ = 0.1 m; four and six limbs cannot keep that margin, "
-            "which is proven.",
-            "",
-            *grown(n, limit),
+            *tables,
             "",
         ]
     )
+
+
+def _tables(runs: dict[str, Run], n: int, limit: float) -> list[str]:
+    return [
+        "## Transitions",
+        "",
+        *compared(transitions(), runs, n, limit),
+        "",
+        "## Gaits",
+        "",
+        *compared(gaits(), runs, n, limit),
+        "",
+        "## Ties",
+        "",
+        "All distinct gaits, rotations counted once, from the known optimum.",
+        "",
+        *listed(n),
+        "",
+        "## Growth",
+        "",
+        "Transitions from all in stance to all in stance, by the search over change times alone. Feet at ±0.28 m, "
+        "spaced 0.12 m (48 limbs: ±0.30 m, 0.10 m), δ = 0.1 m; four and six limbs cannot keep that margin, "
+        "which is proven.",
+        "",
+        *grown(n, limit),
+    ]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
