@@ -18,7 +18,8 @@ from gaitforge.footfall.model import build_program, can_be_turned, check_pattern
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
-from gaitforge.footfall.segments.listing import distinct_gaits
+from gaitforge.footfall.seam import distinct_gaits
+from gaitforge.footfall.segments.listing import rotations
 from gaitforge.footfall.solvers.base import FootfallSolver, Listing, Solution
 from gaitforge.footfall.solvers.segments import Segments
 
@@ -123,9 +124,14 @@ def ties(
     """
     turnable = can_be_turned(problem, families)
     most = best.changes + slack
-    found = _listed(problem, families, options, most) or _general_listing(problem, families, best, options, most)
-    contacts = (best.contact, *found.contacts)
-    kept = distinct_gaits(contacts) if turnable else list({c.tobytes(): c for c in contacts}.values())
+    found = _listed(problem, families, options, most)
+    if found is None:
+        found = _general_listing(problem, families, best, options, most)
+        others = distinct_gaits(found.contacts) if turnable else found.contacts
+    else:
+        others = found.contacts
+    same = rotations(best.contact) if turnable else {best.contact.tobytes()}
+    kept = [best.contact, *(c for c in others if c.tobytes() not in same)]
     info = {**best.info, "ties": len(kept), "ties_complete": found.complete, "listing_s": found.solve_s}
     spread = np.unique(np.linspace(0, len(kept) - 1, min(len(kept), _sample(problem, options))).astype(int))
     return [_pattern(kept[k], problem, info) for k in spread]

@@ -17,7 +17,7 @@ from gaitforge.footfall.segments.options import options_for
 from gaitforge.footfall.segments.placing import Counters, Effort, Placer, TooHard, counters_for, limb_order
 from gaitforge.footfall.segments.reading import LimbType, Reading
 from gaitforge.footfall.segments.rows import Rows
-from gaitforge.footfall.segments.times import Times, every_set, necklaces, number_of_sets
+from gaitforge.footfall.segments.times import Times, every_set, necklaces, number_of_sets, symmetric
 
 Contact = NDArray[np.bool_]
 FEW = 40
@@ -55,8 +55,8 @@ def tied_patterns(reading: Reading, most_changes: int, limit: int, largest: int,
         complete &= of_k.count()
         counted += of_k.total
         complete &= of_k.total <= share
-        for contact in of_k.patterns(share) if of_k.total else of_k.one_per_set(min(share, FEW)):
-            found.setdefault(gait_key(contact) if reading.cyclic else contact.tobytes(), contact)
+        for at, contact in of_k.patterns(share) if of_k.total else of_k.one_per_set(min(share, FEW)):
+            found.setdefault(gait_key(contact) if of_k.symmetric[at] else contact.tobytes(), contact)
     return Ties(tuple(found.values()), counted, complete)
 
 
@@ -68,12 +68,11 @@ def gait_key(contact: Contact) -> bytes:
     return min((twice[:, s : s + m].tobytes() for s in begins.tolist()), default=contact.tobytes())
 
 
-def distinct_gaits(contacts: Iterable[Contact]) -> list[Contact]:
-    """Each gait once, whatever column it was written from; the first of its rotations is kept."""
-    kept: dict[bytes, Contact] = {}
-    for contact in contacts:
-        kept.setdefault(gait_key(contact), contact)
-    return list(kept.values())
+def rotations(contact: Contact) -> set[bytes]:
+    """All rotations of a gait."""
+    m = contact.shape[1]
+    twice = np.concatenate([contact, contact], axis=1)
+    return {twice[:, s : s + m].tobytes() for s in range(m)}
 
 
 class _Tied:
@@ -89,6 +88,8 @@ class _Tied:
         self.spread = [self.counters.spread(mask) for mask in self.options.masks]
         every = every_set(k, reading.columns, reading.cyclic)
         self.times: Times = necklaces(every, reading.columns) if reading.cyclic else every
+        self.symmetric = symmetric(self.times, reading.columns) if reading.cyclic else np.zeros(len(every), dtype=bool)
+        """(N,) time sets that a rotation maps onto themselves: only their gaits can be found twice."""
         self.counts: list[tuple[Offer, Completions, int]] = []
         self.total = 0
         self.most = effort.left
@@ -133,19 +134,19 @@ class _Tied:
             found.append((option, self.spread[option] * unit, sets))
         return found
 
-    def patterns(self, limit: int) -> Iterable[Contact]:
-        """All of them, or `limit` at even distances in the order of counting."""
+    def patterns(self, limit: int) -> Iterable[tuple[int, Contact]]:
+        """All of them with the rows of their times, or `limit` at even distances in the order of counting."""
         wanted = (
             np.unique(np.linspace(0, self.total - 1, min(self.total, limit)).astype(np.int64)) if self.total else ()
         )
         before, at = 0, 0
         for offer, completions, total in self.counts:
             while at < len(wanted) and wanted[at] < before + total:
-                yield self._contact(offer, completions.at(int(wanted[at]) - before))
+                yield offer.times, self._contact(offer, completions.at(int(wanted[at]) - before))
                 at += 1
             before += total
 
-    def one_per_set(self, limit: int) -> Iterable[Contact]:
+    def one_per_set(self, limit: int) -> Iterable[tuple[int, Contact]]:
         """Up to `limit` patterns of different sets of times, where counting was too much."""
         placer = Placer(self.reading, self.kind, self.options, limb_order(self.reading), Effort(self.most))
         listed = 0
@@ -157,7 +158,7 @@ class _Tied:
             contact = None if placed is None else contact_of(placed, self.options, *self._at(offer))
             if contact is not None and self._changes(contact) == self.options.times:
                 listed += 1
-                yield contact
+                yield offer.times, contact
 
     def _changes(self, contact: Contact) -> int:
         following = np.roll(contact, -1, axis=1)

@@ -65,3 +65,12 @@ def necklaces(times: Times, m: int) -> Times:
     weights = (m + 1) ** np.arange(k - 1, -1, -1, dtype=object)
     codes = np.stack([np.roll(lengths, -r, axis=1) @ weights for r in range(k)])
     return times[np.all(codes[0] <= codes, axis=0)]
+
+
+def symmetric(times: Times, m: int) -> NDArray[np.bool_]:
+    """(N,) whether a rotation by less than a cycle maps a set that begins at column 0 onto itself."""
+    lengths = np.diff(times, axis=1, append=m)  # (N, k)
+    found = np.zeros(len(times), dtype=bool)
+    for r in range(1, times.shape[1]):
+        found |= (np.roll(lengths, -r, axis=1) == lengths).all(axis=1)
+    return found
