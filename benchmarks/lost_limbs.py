@@ -1,6 +1,6 @@
 """Which limbs a robot can lose: a pattern or a proof for every subset, by g1–g10, and with placement and g11.
 
-    python -m benchmarks.lost_limbs
+    OMP_NUM_THREADS=1 python -m benchmarks.lost_limbs
 
 writes docs/results/lost_limbs.md; needs shapely, which checks the margins.
 """
@@ -130,7 +130,7 @@ def _page(plain: dict[str, list[Case]], placed: dict[str, list[Case]], first: fl
     lines = [
         "# Lost limbs",
         "",
-        "`python -m benchmarks.lost_limbs`, "
+        "`OMP_NUM_THREADS=1 python -m benchmarks.lost_limbs`, "
         f"{today}, Python {platform.python_version()}, {versions}; {platform.machine()}, one process.",
         "",
         f"Every set of lost limbs, {COLUMNS} columns: a cyclic pattern that passes every family's own check, "
