@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from gaitforge.footfall.constraints import ColumnConstraint, ConstraintSet, LimbConstraint, StanceClause
+from gaitforge.footfall.demands import Demand
 from gaitforge.footfall.problem import FootfallProblem
 
 
@@ -27,6 +28,10 @@ class Clash:
     """The smallest number of columns for which there is a pattern, where more columns help."""
     more_columns_help: bool = False
     """Whether it is worth looking for such a number."""
+    demands: tuple[Demand, ...] = ()
+    """What the families that clash ask for."""
+    problem: FootfallProblem | None = None
+    """What was asked for."""
 
     @property
     def advice(self) -> str:
@@ -43,7 +48,19 @@ class Clash:
             "advice": self.advice,
             "proof": self.proof,
             "columns_needed": self.columns_needed,
+            "demands": [demand.as_dict() for demand in self.demands],
+            "pattern": None if self.problem is None else frame_of(self.problem),
         }
+
+
+def frame_of(problem: FootfallProblem) -> dict[str, Any]:
+    """`explain["pattern"]`: the rows and columns that a picture of the clash has."""
+    return {
+        "limbs": list(problem.limbs),
+        "limbs_locomotive": list(problem.locomotive_anywhere),
+        "columns": problem.columns,
+        "cyclic": problem.cyclic,
+    }
 
 
 def with_columns(clash: Clash, columns: int | None) -> Clash:

@@ -12,6 +12,7 @@ from typing import Any
 from gaitforge.errors import InfeasibleFootfall
 from gaitforge.footfall.constraints import ConstraintSet
 from gaitforge.footfall.counting import Clash, counting_clash, with_columns
+from gaitforge.footfall.demands import demands_of
 from gaitforge.footfall.model import build_program
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
@@ -55,6 +56,14 @@ def explain_infeasible(
     Every set named is proven to clash; it is the smallest one as far as the time allows.  Raises ValueError
     for a problem that has a pattern.
     """
+    found = _found(problem, families, solver, seed, time_limit_s)
+    demands = demands_of(problem, families, found.families, found.limbs)
+    return replace(found, demands=demands, problem=problem)
+
+
+def _found(
+    problem: FootfallProblem, families: Sequence[ConstraintSet], solver: FootfallSolver, seed: int, time_limit_s: float
+) -> Clash:
     prover = _Prover(problem, tuple(families), solver, seed, time.perf_counter() + time_limit_s)
     found = counting_clash(problem, families)
     if found is not None:

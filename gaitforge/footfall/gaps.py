@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from gaitforge.footfall.constraints import ConstraintSet
+from gaitforge.footfall.model import check_pattern
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.footfall.problem import FootfallProblem
+from gaitforge.footfall.seam import at_grounded_seam
 
 FEW = 3
 """With so few feet on the ground, one that a swap shakes off leaves an edge to stand on, not a face."""
@@ -31,3 +36,21 @@ def with_gaps(pattern: FootfallPattern) -> FootfallPattern:
             if not contact[i, j - 1]:
                 contact[i, j] = True
     return replace(pattern, contact=contact, info={**pattern.info, "gaps": True})
+
+
+def gapped_first(
+    patterns: Sequence[FootfallPattern], problem: FootfallProblem, families: Sequence[ConstraintSet]
+) -> list[FootfallPattern]:
+    """The gaits in their order, with gaps where few feet hold the robot and the families allow them.
+
+    Those that lost their place to their gapped version follow at the end.
+    """
+    first, last = [], []
+    for pattern in patterns:
+        there = replace(problem, columns=pattern.columns)
+        gapped = at_grounded_seam(with_gaps(pattern)) if needs_gaps(pattern) else pattern
+        if gapped is not pattern and check_pattern(gapped.contact, there, families):
+            gapped = pattern
+        first.append(gapped)
+        last += [pattern] if gapped is not pattern else []
+    return first + last

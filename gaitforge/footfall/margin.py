@@ -21,8 +21,6 @@ class Stability:
     """[m] worst margin when the body is shifted once, as well as it can be"""
     switch_margin: float
     """[m] worst margin when the body may be elsewhere at each switch, but inside both polygons there"""
-    centroid: float
-    """[m] the paper's heuristic (III-B.1): Σ over columns of the distance from the CoM to the centroid"""
 
 
 def support_margins(feet: Array, stance: NDArray[np.bool_], points: Array) -> Array:
@@ -46,7 +44,7 @@ def support_margins(feet: Array, stance: NDArray[np.bool_], points: Array) -> Ar
 def stability(
     contact: NDArray[np.bool_], feet: Array, center_of_mass: Array, sway: float, cyclic: bool, steps: int = 9
 ) -> Stability:
-    """Margins and the centroid heuristic of a pattern (n_F, m).
+    """Margins of a pattern (n_F, m).
 
     `feet` (n_F, m, 2, 2): positions at the start and end of each column [m]; `center_of_mass` (2,) [m];
     `sway`: how far the body may be shifted from its nominal place, ahead and sideways [m].  The shift is
@@ -62,8 +60,4 @@ def stability(
     after = np.roll(margins[:, 0], -1, axis=0) if cyclic else margins[1:, 0]
     at_switch = np.minimum(before, after).max(axis=1)
     inner = margins.min(axis=1).max(axis=1)
-    standing = contact.T[:, :, None]  # (m, n, 1)
-    mean = feet.mean(axis=2).transpose(1, 0, 2)
-    centroid = (mean * standing).sum(axis=1) / np.maximum(standing.sum(axis=1), 1)
-    distance = float(np.linalg.norm(centroid - center_of_mass, axis=1).sum())
-    return Stability(worst, float(min(at_switch.min(initial=np.inf), inner.min())), distance)
+    return Stability(worst, float(min(at_switch.min(initial=np.inf), inner.min())))

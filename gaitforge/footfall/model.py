@@ -16,10 +16,13 @@ LARGEST = 20_000
 """Most cells n_F · m of a pattern: far above every robot, far below what would fill the memory."""
 
 
-def build_program(problem: FootfallProblem, families: Iterable[ConstraintSet]) -> Program:
-    """h1, h2 and the rows of every family; raises InputError for a problem that makes no sense."""
+def build_program(problem: FootfallProblem, families: Iterable[ConstraintSet], exact: bool = True) -> Program:
+    """h1, h2 and the rows of every family; raises InputError for a problem that makes no sense.
+
+    Without `exact` the program is one for minimising Σ y only; see `Program.exact`.
+    """
     check_problem(problem)
-    program = Program(problem)
+    program = Program(problem, exact=exact)
     for family in families:
         family.write(program)
     return program
@@ -30,6 +33,11 @@ def check_pattern(
 ) -> tuple[Violation, ...]:
     """Everything that is wrong with a finished pattern (n_F, m), without any program."""
     return tuple(v for family in families for v in family.violations(contact, problem))
+
+
+def is_data(families: Iterable[ConstraintSet]) -> bool:
+    """Whether all families state data, so that nobody but the rules makes rows of variables x, y."""
+    return all(f.scope != "general" and type(f).write is ConstraintSet.write for f in families)
 
 
 def can_be_turned(problem: FootfallProblem, families: Iterable[ConstraintSet]) -> bool:

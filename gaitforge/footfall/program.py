@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gaitforge.footfall.problem import FootfallProblem
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Row:
     """lower ≤ Σ coefficient · variable ≤ upper; None leaves a side open."""
 
@@ -45,6 +45,9 @@ class Program:
     bounds: list[tuple[int, int]] = field(default_factory=list)
     """Smallest and largest value per variable."""
     rows: list[Row] = field(default_factory=list)
+    exact: bool = True
+    """Whether every C has one value of all other variables, which listing needs; without it x and y are only
+    bounded from below, which is enough to minimise Σ y and makes a much smaller program."""
 
     def __post_init__(self) -> None:
         n, m = len(self.problem.limbs), self.problem.columns
@@ -109,11 +112,11 @@ class Program:
         columns: tuple[int, ...] = (),
     ) -> None:
         """At least one of the 0/1 variables `true` is 1, or one of `false` is 0."""
-        positive, negative = set(true), set(false)
-        if positive & negative:
+        positive, negative = dict.fromkeys(true, 1), dict.fromkeys(false, -1)
+        if not positive.keys().isdisjoint(negative):
             return  # always so: a window that wraps onto itself
-        terms = [(v, 1) for v in sorted(positive)] + [(v, -1) for v in sorted(negative)]
-        self.rows.append(Row(tuple(terms), 1 - len(negative), None, family, limbs, columns))
+        terms = (*sorted(positive.items()), *sorted(negative.items()))
+        self.rows.append(Row(terms, 1 - len(negative), None, family, limbs, columns))
 
     def _count_changes(self) -> None:
         """h1: z_j = Σ_i x_ij with x_ij = C_ij ⊕ C_i,j+1; h2: (y_j − 1) z_j = 0, and y_j = 0 where z_j = 0."""
@@ -122,6 +125,9 @@ class Program:
         self.bounds += [(0, 1)] * (n * count)
         self._y = len(self.bounds)
         self.bounds += [(0, 1)] * count
+        if not self.exact:
+            self._bound_changes()
+            return
         self._z = len(self.bounds)
         self.bounds += [(0, n)] * count
         for j, (here, there) in enumerate(self.boundaries):
@@ -135,6 +141,15 @@ class Program:
             self.row([(z, 1)] + [(self.change(i, j), -1) for i in range(n)], 0, 0, "h1")
             self.row([(z, 1), (y, -n)], None, 0, "h2")
             self.row([(z, 1), (y, -1)], 0, None, "h2")
+
+    def _bound_changes(self) -> None:
+        """x_ij ≥ |C_ij − C_i,j+1| and y_j ≥ x_ij: the program's optimum is the same."""
+        for j, (here, there) in enumerate(self.boundaries):
+            for i in range(len(self.problem.limbs)):
+                a, b, x = self.contact(i, here), self.contact(i, there), self.change(i, j)
+                self.clause([x, b], [a], "h1")
+                self.clause([x, a], [b], "h1")
+                self.clause([self.changed(j)], [x], "h2")
 
     def matrix(self, values: NDArray[np.int_]) -> NDArray[np.bool_]:
         """(n_F, m) C out of one value per variable."""

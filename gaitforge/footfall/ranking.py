@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitforge.footfall.heuristic import centroid_heuristic
 from gaitforge.footfall.margin import Stability, stability
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.placement import stance_offsets, step_rate
@@ -15,6 +17,8 @@ from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.seam import airborne
 
 Array = NDArray[np.float64]
+Ranking = Literal["margin", "centroid"]
+RANKINGS: tuple[Ranking, ...] = ("margin", "centroid")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +44,7 @@ UNHURRIED = 5.0
 
 
 def stability_of(pattern: FootfallPattern, problem: FootfallProblem, travel: Travel) -> Stability:
-    """Margins and centroid heuristic of a pattern over the problem's footholds; needs `problem.footholds`."""
+    """Margins of a pattern over the problem's footholds; needs `problem.footholds`."""
     assert problem.footholds is not None
     holds = problem.footholds
     offsets = stance_offsets(pattern, travel.ends)  # (n_F, m, 2)
@@ -51,34 +55,51 @@ def stability_of(pattern: FootfallPattern, problem: FootfallProblem, travel: Tra
 
 
 def ranked(
-    patterns: Iterable[FootfallPattern], problem: FootfallProblem, travel: Travel
+    patterns: Iterable[FootfallPattern], problem: FootfallProblem, travel: Travel, by: Ranking = "margin"
 ) -> tuple[FootfallPattern, ...]:
-    """Best first; each pattern's `info` gets margin_m, switch_margin_m, centroid_m and step_rate.
+    """Best first; each pattern's `info` gets margin_m, switch_margin_m, centroid_m, step_rate and ranked_by.
 
-    In this order: a gait that can be started from a stand before one with always some foot in the air; no
-    step in a hurry (`step_rate` up to `UNHURRIED`); margin, up to `AMPLE`, of which more does not help: of a gait
-    the one that one shift of the body gives, of a transition the one at its switches, since there the body is
-    on its way anyhow; fewer changes; slower steps; the centroid.  Without footholds: Σ y alone.
+    *margin*, in this order: a gait that can be started from a stand before one with always some foot in the
+    air; no step in a hurry (`step_rate` up to `UNHURRIED`); margin, up to `AMPLE`, of which more does not help:
+    of a gait the one that one shift of the body gives, of a transition the one at its switches, since there the
+    body is on its way anyhow; fewer changes; what walks already before what was changed; slower steps; the
+    centroid.  *centroid* is the heuristic of section III-B.1, here the mean over the columns, so that patterns
+    of different length compare; equals by margin.  Without footholds: Σ y alone.
     """
     patterns = list(patterns)
     if problem.footholds is None:
         return tuple(sorted(patterns, key=lambda p: p.changes))
-    judged = []
-    for pattern in patterns:
-        s = stability_of(pattern, problem, travel)
-        rate = step_rate(pattern, stance_offsets(pattern, travel.ends), travel.ends)
-        measures = {"margin_m": s.margin, "switch_margin_m": s.switch_margin, "centroid_m": s.centroid}
-        measures["step_rate"] = rate
-        judged.append((_order(pattern, s, rate), replace(pattern, info={**pattern.info, **measures})))
-    return tuple(pattern for _, pattern in sorted(judged, key=lambda item: item[0]))
+    measured = [judged(pattern, problem, travel, by) for pattern in patterns]
+    return tuple(pattern for _, pattern in sorted(measured, key=lambda item: item[0]))
 
 
-def _order(pattern: FootfallPattern, s: Stability, rate: float) -> tuple[float, ...]:
+def judged(
+    pattern: FootfallPattern, problem: FootfallProblem, travel: Travel, by: Ranking
+) -> tuple[tuple[float, ...], FootfallPattern]:
+    """(sort key, smaller is better; the pattern with what was measured); needs `problem.footholds`."""
+    s = stability_of(pattern, problem, travel)
+    rate = step_rate(pattern, stance_offsets(pattern, travel.ends), travel.ends)
+    centroid = centroid_of(pattern, problem)
+    measures = {"margin_m": s.margin, "switch_margin_m": s.switch_margin, "centroid_m": centroid, "step_rate": rate}
+    order = _order(pattern, s, rate, centroid / pattern.columns)
+    if by == "centroid":
+        order = (round(centroid / pattern.columns, 6), *order)
+    return order, replace(pattern, info={**pattern.info, **measures, "ranked_by": by})
+
+
+def centroid_of(pattern: FootfallPattern, problem: FootfallProblem) -> float:
+    """[m] the heuristic of section III-B.1, each foot at its foothold, its mean stance position."""
+    assert problem.footholds is not None
+    return centroid_heuristic(pattern.contact, problem.footholds, problem.center_of_mass)
+
+
+def _order(pattern: FootfallPattern, s: Stability, rate: float, centroid: float) -> tuple[float, ...]:
     in_air = int(airborne(pattern.contact).min()) if pattern.cyclic else 0
     hurry = round(2 * max(0.0, rate - UNHURRIED)) / 2
     margins = (s.margin, s.switch_margin) if pattern.cyclic else (s.switch_margin, s.margin)
     steps = [-round(min(value, AMPLE) / GRAIN) for value in margins]
-    return (in_air, hurry, *steps, pattern.changes, round(rate, 2), round(s.centroid, 6))
+    changed = pattern.info.get("operation") != "original"
+    return (in_air, hurry, *steps, pattern.changes, changed, round(rate, 2), round(centroid, 6))
 
 
 def diverse(patterns: Sequence[FootfallPattern], limit: int, apart: int = 4) -> tuple[FootfallPattern, ...]:

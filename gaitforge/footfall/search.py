@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,20 +14,21 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.constraints import ConstraintSet
 from gaitforge.footfall.counting import counting_clash
 from gaitforge.footfall.explain import explain_infeasible, infeasible_footfall
-from gaitforge.footfall.model import build_program, can_be_turned, check_pattern, check_problem
+from gaitforge.footfall.model import build_program, can_be_turned, check_pattern, check_problem, is_data
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
 from gaitforge.footfall.seam import distinct_gaits
-from gaitforge.footfall.solvers.base import FootfallSolver, Solution
-from gaitforge.footfall.solvers.cpsat import CpSat
+from gaitforge.footfall.segments.listing import rotations
+from gaitforge.footfall.solvers.base import FootfallSolver, Listing, Solution
+from gaitforge.footfall.solvers.segments import Segments
 
 
 @dataclass(frozen=True)
 class SearchOptions:
     """How a pattern is looked for."""
 
-    solver: FootfallSolver = field(default_factory=CpSat)
+    solver: FootfallSolver = field(default_factory=Segments)
     seed: int = 0
     time_limit_s: float = 10.0
     """[s] for the optimum and its proof"""
@@ -47,9 +48,14 @@ def solve(problem: FootfallProblem, families: Sequence[ConstraintSet], options: 
     """
     start = time.perf_counter()
     check_problem(problem)
-    if counting_clash(problem, families) is not None:
+    direct, reason = _direct(problem, families, options)
+    if direct.contact is not None:
+        return _pattern(direct.contact, problem, _info(direct, "segments", 0.0))
+    if direct.status == "infeasible" or counting_clash(problem, families) is not None:
         raise infeasible_footfall(explain_infeasible(problem, families, options.solver, options.seed))
-    program = build_program(problem, families)
+    program = build_program(problem, families, exact=not is_data(families))
+    if direct.bound:
+        program.row([(y, 1) for y in program.objective], direct.bound, None, "bound")
     built = time.perf_counter() - start
     solution = _minimize(program, can_be_turned(problem, families), options)
     if solution.status == "infeasible":
@@ -60,7 +66,22 @@ def solve(problem: FootfallProblem, families: Sequence[ConstraintSet], options: 
             "that there is none",
             {"status": solution.status, "columns": problem.columns},
         )
-    return _pattern(solution.contact, problem, _info(solution, options.solver.name, built))
+    info = _info(solution, _general(options.solver).name, built)
+    return _pattern(solution.contact, problem, {**info, "solver_reason": reason} if reason else info)
+
+
+def _direct(
+    problem: FootfallProblem, families: Sequence[ConstraintSet], options: SearchOptions
+) -> tuple[Solution, str]:
+    """What the search over change times says, when it is the one to ask; *unknown* and why when it cannot tell."""
+    if isinstance(options.solver, Segments):
+        return options.solver.search(problem, families)
+    return Solution("unknown"), ""
+
+
+def _general(solver: FootfallSolver) -> FootfallSolver:
+    """The solver of the general model."""
+    return solver.general if isinstance(solver, Segments) else solver
 
 
 def _minimize(program: Program, turnable: bool, options: SearchOptions) -> Solution:
@@ -68,8 +89,18 @@ def _minimize(program: Program, turnable: bool, options: SearchOptions) -> Solut
     if turnable:
         solution = options.solver.minimize(_with_seam_change(program), options.time_limit_s, options.seed)
         if solution.status != "infeasible":
-            return solution
-    return options.solver.minimize(program, options.time_limit_s, options.seed)
+            return _recounted(solution, program)
+    return _recounted(options.solver.minimize(program, options.time_limit_s, options.seed), program)
+
+
+def _recounted(solution: Solution, program: Program) -> Solution:
+    """Σ y as it is in the pattern: y is only bounded from below, and the row of the seam may have raised it."""
+    if solution.contact is None:
+        return solution
+    problem = program.problem
+    changes = FootfallPattern(solution.contact, problem.limbs, problem.cyclic).changes
+    bound = solution.bound if solution.bound is None else min(solution.bound, changes)
+    return replace(solution, objective=changes, bound=bound)
 
 
 def _with_seam_change(program: Program) -> Program:
@@ -91,22 +122,47 @@ def ties(
 
     Of cyclic patterns each gait is given once.
     """
-    program = build_program(problem, families)
     turnable = can_be_turned(problem, families)
-    if turnable and best.changes:
+    most = best.changes + slack
+    found = _listed(problem, families, options, most)
+    if found is None:
+        found = _general_listing(problem, families, best, options, most)
+        others = distinct_gaits(found.contacts) if turnable else found.contacts
+    else:
+        others = found.contacts
+    same = rotations(best.contact) if turnable else {best.contact.tobytes()}
+    kept = [best.contact, *(c for c in others if c.tobytes() not in same)]
+    info = {**best.info, "ties": len(kept), "ties_complete": found.complete, "listing_s": found.solve_s}
+    spread = np.unique(np.linspace(0, len(kept) - 1, min(len(kept), _sample(problem, options))).astype(int))
+    return [_pattern(kept[k], problem, info) for k in spread]
+
+
+def _listed(
+    problem: FootfallProblem, families: Sequence[ConstraintSet], options: SearchOptions, most_changes: int
+) -> Listing | None:
+    """Ties by the search over change times, when it is the one to ask and can tell."""
+    if isinstance(options.solver, Segments):
+        return options.solver.ties(problem, families, most_changes, options.listing_limit)
+    return None
+
+
+def _general_listing(
+    problem: FootfallProblem,
+    families: Sequence[ConstraintSet],
+    best: FootfallPattern,
+    options: SearchOptions,
+    most_changes: int,
+) -> Listing:
+    program = build_program(problem, families)
+    if can_be_turned(problem, families) and best.changes:
         program = _with_seam_change(program)
-    found = options.solver.listing(
+    return options.solver.listing(
         program,
-        most_changes=best.changes + slack,
+        most_changes=most_changes,
         limit=options.listing_limit,
         time_limit_s=options.listing_s,
         seed=options.seed,
     )
-    contacts = (best.contact, *found.contacts)
-    kept = distinct_gaits(contacts) if turnable else list({c.tobytes(): c for c in contacts}.values())
-    info = {**best.info, "ties": len(kept), "ties_complete": found.complete, "listing_s": found.solve_s}
-    spread = np.unique(np.linspace(0, len(kept) - 1, min(len(kept), _sample(problem, options))).astype(int))
-    return [_pattern(kept[k], problem, info) for k in spread]
 
 
 def _sample(problem: FootfallProblem, options: SearchOptions) -> int:
@@ -130,6 +186,7 @@ def _info(solution: Solution, name: str, built: float) -> dict[str, object]:
         "status": solution.status,
         "objective": solution.objective,
         "bound": solution.bound,
+        "gap": solution.gap,
         "build_s": built + solution.build_s,
         "solve_s": solution.solve_s,
     }

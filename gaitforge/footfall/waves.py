@@ -16,11 +16,13 @@ ALL_ORDERS = 5
 
 
 def best_wave(problem: FootfallProblem, travel: Travel, swing_columns: int) -> FootfallPattern:
-    """The wave over the walking limbs with the best margin; one all-stance column after each swing."""
-    cycle = travel.per_column * problem.columns
+    """The wave over the walking limbs with the best margin; one all-stance column after each swing.
+
+    A wave keeps the time of a column, and so its travel, not that of a cycle.
+    """
     waves = [wave(order, problem.limbs, swing_columns) for order in _orders(problem)]
     longer = replace(problem, columns=waves[0].columns)
-    return ranked(waves, longer, Travel(cycle / longer.columns))[0]
+    return ranked(waves, longer, travel)[0]
 
 
 def swing_columns_for(columns: int, limbs: int) -> int:

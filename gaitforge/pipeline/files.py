@@ -52,12 +52,21 @@ def write_log_files(run: Run, verdict: Verdict) -> None:
 
 
 def write_report(run: Run, summary: Mapping[str, Any], verdict: Verdict | None) -> None:
-    """``report.html``, with the plots that there are and a picture of every gait and transition."""
+    """``report.html``, with the plots there are and a picture of every gait and transition; ``clash.png`` if any."""
+    from gaitforge.report.clash_plot import write_clash_png
     from gaitforge.report.page import write_report_html
 
-    footfall, speed = (_bytes(run.folder / name) for name in ("footfall.png", "speed.png"))
+    write_clash_png(run.folder / "clash.png", summary["explain"] or {})
+    footfall, speed, clash = (_bytes(run.folder / name) for name in ("footfall.png", "speed.png", "clash.png"))
     pictures = _pictures(run, verdict) if verdict else []
-    write_report_html(run.folder / "report.html", summary, footfall_png=footfall, speed_png=speed, pictures=pictures)
+    write_report_html(
+        run.folder / "report.html",
+        summary,
+        footfall_png=footfall,
+        speed_png=speed,
+        clash_png=clash,
+        pictures=pictures,
+    )
 
 
 def _pictures(run: Run, verdict: Verdict) -> list[tuple[str, bytes]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
@@ -13,6 +12,7 @@ from gaitforge.pipeline.certificate import refuse_impossible_speed
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.pipeline.tries import Try, Workers, cheapest
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase
 from gaitforge.task.roles import Locomotive, Role, Tool
@@ -41,36 +41,48 @@ def plan_phase(
     options: Options,
     watch: Stopwatch,
     expected_base: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    original: FootfallPattern | None = None,
+    workers: Workers | None = None,
 ) -> Segment:
     """The gait of a phase; `expected_base` is x, y [m], yaw [rad] of the base in the middle of it.
 
+    `original`: the pattern of the gait before, for when one of its limbs is lost.  Patterns are handed to the
+    optimiser in batches; of the first batch in which any has a plan, the cheapest is taken.
     Raises `InfeasibleFootfall` or `InfeasibleMotion` with a proof, `UnsolvedError` when every candidate failed.
     """
-    from gaitforge.motion.gait import plan_gait
-
     roles = nonlocomotive(robot, phase, scene)
-    speed = robot.nominal.speed if phase.speed is None else phase.speed
+    workers = workers or Workers()
     attempts: list[Attempt] = []
     refusals: list[InfeasibleMotion] = []
-    for pattern in _candidates(robot, phase, roles, options, watch):
-        duration = _duration(robot, phase, pattern)
-        refuse_impossible_speed(robot, pattern.locomotive, speed, duration)
-        what = f"{pattern.source} pattern, {pattern.columns} columns, {duration:.2f} s"
-        begin = time.perf_counter()
-        try:
-            with watch.stage("motion"):
-                plan = plan_gait(
-                    robot, pattern, speed=speed, heading=phase.heading, yaw_rate=phase.yaw_rate, duration=duration,
-                    roles=roles, expected_base=expected_base, name=phase.name, options=options.motion,
-                )  # fmt: skip
-        except (UnsolvedError, InfeasibleMotion) as error:
-            attempts.append(Attempt(what, str(error), time.perf_counter() - begin))
-            refusals += [error] if isinstance(error, InfeasibleMotion) else []
-            watch.progress("motion", f"{phase.name}: {what}: left ({error})")
-            continue
-        watch.progress("motion", f"{phase.name}: {what}, {plan.report.seconds:.2f} s to solve")
-        return Segment(plan, phase.cycles, tuple(attempts))
+    for patterns in _batches(robot, phase, roles, options, watch, original, attempts):
+        tries = [_try(robot, phase, pattern, roles, options, expected_base) for pattern in patterns]
+        with watch.stage("motion"):
+            results = workers.run(tries)
+        plan, left = cheapest(results)
+        attempts += left
+        refusals += [r.error for r in results if isinstance(r.error, InfeasibleMotion)]
+        for one in left:
+            watch.progress("motion", f"{phase.name}: {one.what}: left ({one.why})")
+        if plan is not None:
+            what = next(r.what for r in results if r.plan is plan)
+            watch.progress("motion", f"{phase.name}: {what}, {plan.report.seconds:.2f} s to solve")
+            return Segment(plan, phase.cycles, tuple(attempts))
     raise _give_up(phase, attempts, refusals)
+
+
+def _try(
+    robot: RobotModel, phase: Phase, pattern: FootfallPattern, roles: Mapping[str, Role], options: Options,
+    expected_base: tuple[float, float, float],
+) -> Try:  # fmt: skip
+    speed = robot.nominal.speed if phase.speed is None else phase.speed
+    duration = _duration(robot, phase, pattern)
+    refuse_impossible_speed(robot, pattern.locomotive, speed, duration)
+    what = f"{pattern.source} pattern, {pattern.columns} columns, {duration:.2f} s"
+    named = {
+        "speed": speed, "heading": phase.heading, "yaw_rate": phase.yaw_rate, "duration": duration, "roles": roles,
+        "expected_base": expected_base, "name": phase.name, "options": options.motion,
+    }  # fmt: skip
+    return Try(what, "gait", robot, (pattern,), named)
 
 
 def _give_up(phase: Phase, attempts: list[Attempt], refusals: list[InfeasibleMotion]) -> Exception:
@@ -90,30 +102,44 @@ def _duration(robot: RobotModel, phase: Phase, pattern: FootfallPattern) -> floa
     return robot.nominal.duration * max(1.0, pattern.columns / robot.nominal.columns)
 
 
-def _candidates(
-    robot: RobotModel, phase: Phase, roles: Mapping[str, Role], options: Options, watch: Stopwatch
-) -> Iterator[FootfallPattern]:
+def _batches(
+    robot: RobotModel, phase: Phase, roles: Mapping[str, Role], options: Options, watch: Stopwatch,
+    original: FootfallPattern | None, attempts: list[Attempt],
+) -> Iterator[list[FootfallPattern]]:  # fmt: skip
+    """Patterns to be compared with each other, the most promising first; none is offered twice."""
     if not isinstance(phase.gait, str):
-        yield FootfallPattern.from_rows({name: phase.gait[name] for name in robot.limb_names})
+        yield [FootfallPattern.from_rows({name: phase.gait[name] for name in robot.limb_names})]
         return
     locomotive = tuple(n for n in robot.limb_names if n not in roles)
     first = robot.nominal.gait if phase.gait == "auto" and not roles else phase.gait
     seen: set[bytes] = set()
     for method in dict.fromkeys((first, phase.gait)):
         try:
-            found = _synthesised(robot, phase, locomotive, method, options, watch)
+            found = _synthesised(robot, phase, locomotive, method, options, watch, original)
         except InfeasibleFootfall:
             if method == phase.gait:
                 raise
             continue
+        attempts += [Attempt(what, why, 0.0) for what, why in found[0].info.get("left", ())]
         fresh = [p for p in found if p.contact.tobytes() not in seen]
         seen.update(p.contact.tobytes() for p in fresh)
-        yield from fresh
+        if fresh and _goes_on(fresh[0]):
+            yield [fresh.pop(0)]
+        size = options.search.gait_batch
+        yield from (fresh[k : k + size] for k in range(0, len(fresh), size))
+
+
+def _goes_on(pattern: FootfallPattern) -> bool:
+    """Whether it is the gait before without a limb, and stable: then there is nothing to gain from another."""
+    from gaitforge.footfall.ranking import AMPLE
+
+    return pattern.info.get("operation") == "original" and float(pattern.info.get("margin_m", 0.0)) >= AMPLE
 
 
 def _synthesised(
-    robot: RobotModel, phase: Phase, locomotive: tuple[str, ...], method: str, options: Options, watch: Stopwatch
-) -> tuple[FootfallPattern, ...]:
+    robot: RobotModel, phase: Phase, locomotive: tuple[str, ...], method: str, options: Options, watch: Stopwatch,
+    original: FootfallPattern | None,
+) -> tuple[FootfallPattern, ...]:  # fmt: skip
     """Patterns of one method, the most promising first; only *auto* has more than one kind to offer."""
     from gaitforge.footfall.synthesis import gait_pattern_candidates
 
@@ -122,7 +148,7 @@ def _synthesised(
     with watch.stage("footfall"):
         found = gait_pattern_candidates(
             robot, locomotive=locomotive, columns=columns, limit=limit, method=cast("Method", method),
-            **options.footfall,
+            original=original, **options.footfall,
         )  # fmt: skip
     watch.progress("footfall", f"{phase.name}: {len(found)} of method {method}, first {_words(found[0])}")
     return found

@@ -25,10 +25,25 @@ class Search:
     """Columns added to the robot's nominal number, tried in this order."""
     transition_stretch: tuple[float, ...] = (1.0, 1.333)
     """Factors on the robot's nominal column time, tried in this order."""
+    transition_slack: int = 1
+    """Change times more than the fewest that a transition may have, for margin."""
+    transition_phases: Literal["seam", "paper"] = "seam"
+    """Columns of the gaits that a transition begins and ends with (`footfall.phases.Phases`); a timeline leaves a gait
+    at the end of a cycle and enters one at its start, so *best* has no plan."""
+    gait_batch: int = 2
+    """Patterns of a gait that are planned before the cheapest of them is taken."""
+    transition_batch: int = 1
+    """Tries at a transition that are made before the cheapest of them is taken."""
+    workers: int = 1
+    """Processes that plan at the same time, this one included; results do not depend on it."""
 
     def __post_init__(self) -> None:
         if self.gait_candidates < 1 or self.transition_candidates < 1:
             raise ValueError("at least one candidate")
+        if min(self.gait_batch, self.transition_batch, self.workers) < 1:
+            raise ValueError("batches of at least one try, and at least one worker")
+        if self.transition_slack < 0 or self.transition_phases not in ("seam", "paper"):
+            raise ValueError("a slack of at least 0, and phases seam or paper")
         if not self.transition_columns or not self.transition_stretch or min(self.transition_stretch) <= 0:
             raise ValueError("at least one number of columns and one stretch > 0")
 

@@ -14,6 +14,7 @@ from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import plan_change
+from gaitforge.pipeline.tries import Workers
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase, Task
 
@@ -24,8 +25,9 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
     `done` is filled as far as planning came when an error leaves this function, so that the summary of
     a run without a solution shows what there was.
     """
-    gaits = _plan_gaits(robot, task, options, watch, done)
-    changes = [plan_change(robot, before.plan, after.plan, options, watch) for before, after in pairwise(gaits)]
+    with Workers(options.search.workers) as workers:
+        gaits = _plan_gaits(robot, task, options, watch, done, workers)
+        changes = [plan_change(robot, a.plan, b.plan, options, watch, workers) for a, b in pairwise(gaits)]
     start, stop = (
         Segment(_stand(w, robot, g.plan, options, watch)) for w, g in (("start", gaits[0]), ("stop", gaits[-1]))
     )
@@ -34,7 +36,7 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
 
 
 def _plan_gaits(
-    robot: RobotModel, task: Task, options: Options, watch: Stopwatch, done: list[Segment]
+    robot: RobotModel, task: Task, options: Options, watch: Stopwatch, done: list[Segment], workers: Workers
 ) -> list[Segment]:
     """The gaits in order; a phase that asks for the gait of the phase before it goes on with it."""
     known: list[tuple[Phase, MotionPlan]] = []
@@ -44,7 +46,8 @@ def _plan_gaits(
             continue
         again = next((plan for other, plan in known if _same_gait(robot, task, other, phase)), None)
         if again is None:
-            done.append(plan_phase(robot, phase, task.scene, options, watch, _middle(robot, task.phases, index)))
+            there, original = _middle(robot, task.phases, index), done[-1].plan.pattern if done else None
+            done.append(plan_phase(robot, phase, task.scene, options, watch, there, original, workers))
         else:
             done.append(Segment(replace(again, name=phase.name), phase.cycles))
         known.append((phase, done[-1].plan))

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from itertools import islice
 
-from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
+from gaitforge.errors import InfeasibleFootfall, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.pipeline.tries import Try, Workers, cheapest
 from gaitforge.robot.model import RobotModel
 
 
 def plan_change(
-    robot: RobotModel, before: MotionPlan, after: MotionPlan, options: Options, watch: Stopwatch
-) -> Segment:
+    robot: RobotModel, before: MotionPlan, after: MotionPlan, options: Options, watch: Stopwatch,
+    workers: Workers | None = None,
+) -> Segment:  # fmt: skip
     """The transition from one gait into another.
 
+    Tries are made in batches; of the first batch in which any has a plan, the cheapest is taken.
     Raises `InfeasibleFootfall` when no number of columns has a pattern, `UnsolvedError` when no try had a plan.
     """
     from gaitforge.motion.transition import plan_transition
@@ -27,22 +31,33 @@ def plan_change(
     if options.transition == "interpolate":
         with watch.stage("motion"):
             return Segment(plan_transition(robot, before, after, method="interpolate", name=name))
+    workers = workers or Workers()
     attempts: list[Attempt] = []
-    for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts):
-        what = f"{pattern.columns} columns of {column_s:.3f} s, {pattern.changes} changes"
-        begin = time.perf_counter()
-        try:
-            with watch.stage("motion"):
-                plan = plan_transition(
-                    robot, before, after, pattern=pattern, column_s=column_s, name=name, options=options.motion,
-                )  # fmt: skip
-        except (UnsolvedError, InfeasibleMotion) as error:
-            attempts.append(Attempt(what, str(error), time.perf_counter() - begin))
-            watch.progress("motion", f"{name}: {what}: left ({error})")
-            continue
-        watch.progress("motion", f"{name}: {what}, {plan.report.seconds:.2f} s to solve")
-        return Segment(plan, 1, tuple(attempts))
+    tries = (
+        _try(robot, before, after, pattern, column_s, name, options)
+        for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts)
+    )
+    while batch := list(islice(tries, options.search.transition_batch)):
+        with watch.stage("motion"):
+            results = workers.run(batch)
+        plan, left = cheapest(results)
+        attempts += left
+        for one in left:
+            watch.progress("motion", f"{name}: {one.what}: left ({one.why})")
+        if plan is not None:
+            what = next(r.what for r in results if r.plan is plan)
+            watch.progress("motion", f"{name}: {what}, {plan.report.seconds:.2f} s to solve")
+            return Segment(plan, 1, tuple(attempts))
     raise UnsolvedError(f"transition {name}: none of {len(attempts)} tries has a plan", exhausted(name, attempts))
+
+
+def _try(
+    robot: RobotModel, before: MotionPlan, after: MotionPlan, pattern: FootfallPattern, column_s: float, name: str,
+    options: Options,
+) -> Try:  # fmt: skip
+    what = f"{pattern.columns} columns of {column_s:.3f} s, {pattern.changes} changes"
+    named = {"pattern": pattern, "column_s": column_s, "name": name, "options": options.motion}
+    return Try(what, "transition", robot, (before, after), named)
 
 
 def _tries(
@@ -76,7 +91,7 @@ def _patterns(
         with watch.stage("footfall"):
             found = transition_pattern_candidates(
                 robot, before.pattern, after.pattern, columns=columns, limit=options.search.transition_candidates,
-                **options.footfall,
+                slack=options.search.transition_slack, phases=options.search.transition_phases, **options.footfall,
             )  # fmt: skip
     except (InfeasibleFootfall, UnsolvedError) as error:
         attempts.append(Attempt(f"pattern of {columns} columns", str(error), time.perf_counter() - begin))

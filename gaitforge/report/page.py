@@ -33,6 +33,8 @@ code { padding: .1rem .3rem; } pre { padding: .8rem; overflow-x: auto; white-spa
 details summary { cursor: pointer; color: #6b757e; margin-top: .4rem; }
 """
 
+CLASH = "What the families ask of the cells of C: blue has to be in stance, red in swing, pale cells in part"
+
 
 def write_report_html(
     path: str | os.PathLike[str],
@@ -40,6 +42,7 @@ def write_report_html(
     *,
     footfall_png: bytes | None = None,
     speed_png: bytes | None = None,
+    clash_png: bytes | None = None,
     pictures: Sequence[tuple[str, bytes]] = (),
     log: str = "run.mcap",
     layout: str = "run.layout.json",
@@ -70,6 +73,7 @@ def write_report_html(
         _images("Footfall", [(caption, png) for caption, png in plots if png]),
         _checks(summary["checks"]),
         _explain(summary),
+        _images("What clashes", [(CLASH, clash_png)] if clash_png else []),
         _timings(summary["timings_s"]),
         _how_to_open(log, layout) if summary["checks"] else "",
     ]
@@ -146,7 +150,8 @@ def _explain(summary: Mapping[str, Any]) -> str:
         lines = [f"{key}: {error[key]}" for key in ("type", "file", "key", "found", "expected") if error[key]]
         parts.append(_text("Error", lines))
     if summary["explain"]:
-        parts.append(_text("Why", [f"{key}: {value}" for key, value in summary["explain"].items()]))
+        said = [(key, value) for key, value in summary["explain"].items() if key not in ("demands", "pattern")]
+        parts.append(_text("Why", [f"{key}: {value}" for key, value in said]))
     return "".join(parts)
 
 

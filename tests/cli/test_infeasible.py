@@ -27,6 +27,20 @@ def test_fewer_than_four_locomotive_limbs_never_walk(gaitforge: Run) -> None:
     assert "infeasible" in finished.out
 
 
+def test_two_lost_left_limbs_are_explained_in_words_as_data_and_as_a_picture(gaitforge: Run) -> None:
+    finished = gaitforge("robot=hexapod", "+task.phases.0.roles.L1=held", "+task.phases.0.roles.L2=held")
+    assert finished.code == 3
+    explain = summary_of(finished)["explain"]
+    assert explain["families"] == ["g5", "g9"]
+    assert explain["limbs"] == ["L3"]
+    assert explain["text"] in finished.out
+    assert "left limb" in explain["advice"]
+    (picture,) = finished.folder.rglob("clash.png")
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    (page,) = finished.folder.rglob("report.html")
+    assert "What clashes" in page.read_text()
+
+
 def test_a_speed_that_no_joint_can_follow_is_infeasible_with_the_reason(gaitforge: Run) -> None:
     finished = gaitforge("robot=hexapod", "task.speed=2.0")
     assert finished.code == 3

@@ -77,7 +77,17 @@ def test_the_exception_carries_plain_data_for_the_summary():
     with pytest.raises(InfeasibleFootfall) as caught:
         solve(CASES["too few columns for a stance"], with_problem_families(None), SearchOptions())
     explain = caught.value.explain
-    assert set(explain) == {"families", "limbs", "columns", "text", "advice", "proof", "columns_needed"}
+    assert set(explain) == {
+        "families",
+        "limbs",
+        "columns",
+        "text",
+        "advice",
+        "proof",
+        "columns_needed",
+        "demands",
+        "pattern",
+    }
     assert explain["families"] == ["g3", "g4", "g5"]
     assert len(explain["limbs"]) == 1
     assert explain["text"] in str(caught.value)

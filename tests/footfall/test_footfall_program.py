@@ -217,10 +217,9 @@ def test_dropping_a_family_never_makes_the_optimum_worse():
 
 def test_without_time_for_an_answer_the_search_is_unsolved_not_infeasible():
     problem = gait(DODECAPOD, 40, DODECAPOD, DODECAPOD_SIDES)
+    families = with_problem_families([*default_constraints()[:-1], GapRule(12)])
     with pytest.raises(UnsolvedError) as caught:
-        solve(
-            problem, with_problem_families([*default_constraints()[:-1], GapRule(12)]), SearchOptions(time_limit_s=1e-3)
-        )
+        solve(problem, families, SearchOptions(CpSat(), time_limit_s=1e-3))
     assert caught.value.explain["columns"] == 40
 
 
@@ -236,3 +235,24 @@ def test_an_impossible_number_of_columns_is_refused_before_anything_is_built(col
     with pytest.raises(InputError) as caught:
         solve(gait(HEXAPOD, columns), without_gap(), SearchOptions())
     assert [p.key for p in caught.value.problems] == ["columns"]
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(families=families_drawn, walking=some_limbs, columns=st.integers(4, 8), first=st.none() | st.integers(0, 7))
+def test_the_program_for_minimising_only_has_the_same_optimum(families, walking, columns, first):
+    if first is None:
+        problem = gait(walking, columns, LIMBS, SIDES)
+    else:
+        problem = transition(f"{first:03b}", "111", columns, walking, walking, LIMBS, SIDES)
+    small, exact = (build_program(problem, families, exact=exact) for exact in (False, True))
+    assert len(small.rows) <= len(exact.rows)
+    answers = [CpSat().minimize(program, 20.0, 0) for program in (small, exact)]
+    assert len({(a.status, a.objective) for a in answers}) == 1
+    if answers[0].contact is not None:
+        assert FootfallPattern(answers[0].contact, LIMBS, problem.cyclic).changes == answers[0].objective
+
+
+def test_a_gait_that_may_stand_still_is_found_to_need_no_changes():
+    families = [f for f in without_gap() if f.key != "g5"]
+    pattern = solve(gait(HEXAPOD), families, SearchOptions(CpSat()))
+    assert (pattern.changes, pattern.info["objective"], pattern.info["bound"]) == (0, 0, 0)

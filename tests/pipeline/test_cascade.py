@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 
 from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.footfall.synthesis import gait_pattern_candidates
+from gaitforge.motion.plan import Command, MotionPlan, SolveReport
 from gaitforge.pipeline.gaits import plan_phase
 from gaitforge.pipeline.options import Options, Search
 from gaitforge.pipeline.schedule import plan_task
@@ -220,3 +222,62 @@ def test_seconds_are_booked_on_the_stage_that_spent_them() -> None:
     assert timings["record"] > 0.0
     assert timings["footfall"] == 0.0
     assert timings["total"] >= timings["motion"]
+
+
+def test_the_cheapest_of_a_batch_is_kept_and_what_was_left_is_recorded(
+    hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    costs = iter([3.0, 2.0, 1.0])
+
+    def planned(robot: RobotModel, pattern: FootfallPattern, *, name: str, duration: float, **_: Any) -> MotionPlan:
+        plan = plan_of(robot, pattern, name, duration)
+        return replace(plan, report=SolveReport(cost=next(costs)))
+
+    monkeypatch.setattr("gaitforge.motion.gait.plan_gait", planned)
+    task = load_task({"phases": [{"name": "a", "roles": {"L1": "held"}}]}, "t", robot=hexapod)
+    segment = plan_phase(hexapod, task.phases[0], Scene(), OPTIONS, Stopwatch())
+    assert segment.plan.report.cost == 2.0, "the third is not tried: the first batch has a plan"
+    assert segment.left[-1].why == "cost 3, another has 2"
+    reasons = [a.why for a in segment.left]
+    assert "breaks g8" in reasons, "candidates that the families do not allow"
+
+
+def test_a_stable_gait_goes_on_without_its_lost_limb_and_nothing_else_is_tried(planner: Planner) -> None:
+    robot = load_robot("dodecapod")
+    task = load_task({"phases": [{"name": "a", "roles": {"L4": "held"}}]}, "t", robot=robot)
+    segment = plan_phase(robot, task.phases[0], Scene(), OPTIONS, Stopwatch())
+    assert len(planner.asked) == 1
+    assert segment.plan.pattern.info["operation"] == "original"
+
+
+def test_the_gait_before_is_handed_on_to_the_next_phase(
+    hexapod: RobotModel, planner: Planner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    original = gait_pattern_candidates
+
+    def noted(*args: Any, **more: Any) -> Any:
+        asked.append(more["original"])
+        return original(*args, **more)
+
+    monkeypatch.setattr("gaitforge.footfall.synthesis.gait_pattern_candidates", noted)
+    task = {"phases": [{"name": "a"}, {"name": "b", "roles": {"R1": "held"}}]}
+    names(task, hexapod)
+    assert asked[0] is None
+    assert asked[1] is not None
+    assert asked[1].locomotive == hexapod.limb_names
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"workers": 0},
+        {"gait_batch": 0},
+        {"transition_batch": 0},
+        {"transition_slack": -1},
+        {"transition_phases": "best"},
+    ],
+)
+def test_a_search_that_makes_no_sense_is_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError):
+        Search(**wrong)

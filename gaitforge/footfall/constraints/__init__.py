@@ -10,6 +10,7 @@ g5        limb       Σ_j C_ij ≤ m − 2                                limbs 
 g6, g7    balance    |Σ_j C_aj − Σ_j C_bj| ≤ 2                       pairs locomotive throughout
 g8        column     Σ_i C_ij ≥ 3                                    limbs locomotive anywhere
 g9, g10   column     Σ_{i left} C_ij ≥ 1, Σ_{i right} C_ij ≥ 1       limbs locomotive anywhere
+g11       column     disc of radius δ about p in support polygon     limbs locomotive anywhere
 gap       change     nothing lifts while something else lands        limbs locomotive anywhere
 ========  =========  ==============================================  ==============================
 
@@ -40,6 +41,7 @@ from gaitforge.footfall.constraints.g07_shared_swing import SharedSwing
 from gaitforge.footfall.constraints.g08_stance_count import StanceCount
 from gaitforge.footfall.constraints.g09_left_stance import LeftStance
 from gaitforge.footfall.constraints.g10_right_stance import RightStance
+from gaitforge.footfall.constraints.g11_support_sectors import SupportSectors
 from gaitforge.footfall.constraints.gap import GapRule
 from gaitforge.footfall.constraints.roles import Boundary, Roles
 from gaitforge.footfall.constraints.rules import BalanceRule, ChangeRule, LimbRule, StanceClause
@@ -67,6 +69,7 @@ __all__ = [
     "StanceCount",
     "StanceLength",
     "StancePair",
+    "SupportSectors",
     "SwingDuty",
     "SwingLength",
     "Violation",

@@ -73,6 +73,9 @@ class BalanceRule:
     def write(self, program: Program, family: str) -> None:
         """Add the rows of this rule: one total per limb, one row per ordered pair."""
         m = program.problem.columns
+        if not program.exact:
+            self._write_window(program, family)
+            return
         totals = {}
         for i in self.limbs:
             totals[i] = program.integer(0, m)
@@ -82,6 +85,14 @@ class BalanceRule:
             for b in self.limbs:
                 if a != b:
                     program.row([(totals[a], 1), (totals[b], -1)], None, self.spread, family, (a, b))
+
+    def _write_window(self, program: Program, family: str) -> None:
+        """All totals lie in one window of `spread` columns: fewer rows, but its place is not unique."""
+        m = program.problem.columns
+        least = program.integer(0, m)
+        for i in self.limbs:
+            cells = [(program.contact(i, j), 1) for j in range(m)]
+            program.row([*cells, (least, -1)], 0, self.spread, family, (i,))
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,13 @@ class Solution:
     solve_s: float = 0.0
     """[s] in the solver"""
 
+    @property
+    def gap(self) -> float | None:
+        """(Σ y − bound) / Σ y, 0 when the pattern is proven to be the best; None without pattern or bound."""
+        if self.objective is None or self.bound is None:
+            return None
+        return (self.objective - self.bound) / max(1, self.objective)
+
 
 @dataclass(frozen=True, eq=False)
 class Listing:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gaitforge.errors import InputError, Problem
 from gaitforge.footfall.program import Program, Row
 from gaitforge.footfall.solvers.base import Listing, Solution, Status
+from gaitforge.footfall.solvers.interrupt import Interruptible
 
 DRAWS = 12
 """Patterns drawn along random directions when there are too many to list."""
@@ -85,14 +86,18 @@ class CpSat:
             cp_model.FEASIBLE: "feasible",
             cp_model.INFEASIBLE: "infeasible",
         }
+        found: Status = "unknown"
+        first = None
         if self.lean:
-            solver = self._solver(min(self.lean_time_s, time_limit_s), seed, lean=True)
-            status = names.get(solver.solve(model), "unknown")
-            time_limit_s -= solver.wall_time
-            if status in ("optimal", "infeasible") or time_limit_s <= 0:
-                return solver, status
+            first = self._solver(min(self.lean_time_s, time_limit_s), seed, lean=True)
+            code, interrupted = _solve(first, model)
+            found = names.get(code, "unknown")
+            time_limit_s -= first.wall_time
+            if found in ("optimal", "infeasible") or time_limit_s <= 0 or interrupted:
+                return first, found
         solver = self._solver(time_limit_s, seed, lean=False)
-        return solver, names.get(solver.solve(model), "unknown")
+        status = names.get(_solve(solver, model)[0], "unknown")
+        return (first, found) if status == "unknown" and first is not None else (solver, status)
 
     def _solver(self, time_limit_s: float, seed: int, lean: bool) -> Any:
         from ortools.sat.python import cp_model
@@ -100,6 +105,7 @@ class CpSat:
         solver = cp_model.CpSolver()
         parameters = solver.parameters
         parameters.num_workers, parameters.random_seed = self.workers, seed
+        parameters.catch_sigint_signal = False  # else Python never hears Ctrl-C again
         parameters.max_time_in_seconds = max(time_limit_s, 1e-3)
         # By default the first solve takes Ctrl-C away from Python for good.
         parameters.catch_sigint_signal = False
@@ -129,7 +135,7 @@ class CpSat:
 
         solver = self._solver(time_limit_s, seed, lean=True)
         solver.parameters.num_workers, solver.parameters.enumerate_all_solutions = 1, True
-        status = solver.solve(model, Collect())
+        status, _ = _solve(solver, model, Collect())
         return bool(status in (cp_model.OPTIMAL, cp_model.INFEASIBLE))
 
     def _draw(
@@ -152,10 +158,16 @@ class CpSat:
             model.minimize(sum(int(w) * v for w, v in zip(weights, variables[:cells], strict=True)))
             solver = self._solver(deadline - time.perf_counter(), seed + draw, lean=True)
             solver.parameters.max_deterministic_time = DRAW_WORK
-            if solver.status_name(solver.solve(model)) not in ("OPTIMAL", "FEASIBLE"):
+            if solver.status_name(_solve(solver, model)[0]) not in ("OPTIMAL", "FEASIBLE"):
                 continue
             contact = _contact(program, solver, variables)
             found.setdefault(contact.tobytes(), contact)
+
+
+def _solve(solver: Any, model: Any, callback: Any = None) -> tuple[Any, bool]:
+    """CP-SAT's status, and whether Ctrl-C ended the search."""
+    search = Interruptible(lambda: solver.solve(model, callback), solver.stop_search)
+    return search.result(), search.interrupted
 
 
 def _translate(program: Program) -> tuple[Any, list[Any]]:
@@ -168,30 +180,35 @@ def _translate(program: Program) -> tuple[Any, list[Any]]:
         for low, high in program.bounds
     ]
     boolean = [bounds == (0, 1) for bounds in program.bounds]
+    constraints = model.proto.constraints  # straight into the protocol buffer: half of the time of the methods
     for row in program.rows:
         literals = _literals(row, boolean)
         if literals is not None:
-            model.add_bool_or([variables[v] if positive else ~variables[v] for v, positive in literals])
+            constraints.add().bool_or.literals.extend(literals)
         else:
-            _add_linear(model, variables, row)
+            _add_linear(constraints.add().linear, row, cp_model.INT_MIN, cp_model.INT_MAX)
     return model, variables
 
 
-def _literals(row: Row, boolean: list[bool]) -> list[tuple[int, bool]] | None:
-    """The row as a clause, when it is one: Σ ± v ≥ 1 − (number of minus signs) over 0/1 variables."""
-    if row.upper is not None or not all(boolean[v] and abs(c) == 1 for v, c in row.terms):
+def _literals(row: Row, boolean: list[bool]) -> list[int] | None:
+    """The row as a clause, when it is one: Σ ± v ≥ 1 − (number of minus signs) over 0/1 variables; ¬v is −v − 1."""
+    if row.upper is not None:
         return None
-    negative = sum(c < 0 for _, c in row.terms)
-    return [(v, c > 0) for v, c in row.terms] if row.lower == 1 - negative else None
+    literals, negative = [], 0
+    for v, c in row.terms:
+        if not boolean[v] or (c != 1 and c != -1):
+            return None
+        if c < 0:
+            negative += 1
+            v = -v - 1
+        literals.append(v)
+    return literals if row.lower == 1 - negative else None
 
 
-def _add_linear(model: Any, variables: list[Any], row: Row) -> None:
-    from ortools.sat.python import cp_model
-
-    expression = cp_model.LinearExpr.weighted_sum([variables[v] for v, _ in row.terms], [c for _, c in row.terms])
-    low = cp_model.INT_MIN if row.lower is None else row.lower
-    high = cp_model.INT_MAX if row.upper is None else row.upper
-    model.add_linear_constraint(expression, low, high)
+def _add_linear(linear: Any, row: Row, least: int, most: int) -> None:
+    linear.vars.extend([v for v, _ in row.terms])
+    linear.coeffs.extend([c for _, c in row.terms])
+    linear.domain.extend([least if row.lower is None else row.lower, most if row.upper is None else row.upper])
 
 
 def _contact(program: Program, source: Any, variables: list[Any]) -> NDArray[np.bool_]:
