@@ -17,6 +17,7 @@ from gaitforge.footfall.model import build_program
 from gaitforge.footfall.problem import FootfallProblem
 from gaitforge.footfall.program import Program
 from gaitforge.footfall.solvers.base import FootfallSolver
+from gaitforge.footfall.solvers.segments import Segments
 
 BACKGROUND = "roles"
 """What the user asked for is never what is in the way."""
@@ -127,9 +128,14 @@ def _concerned(prover: _Prover, names: Sequence[str]) -> tuple[tuple[int, ...], 
 def _columns_that_help(prover: _Prover, most: int = 12) -> int | None:
     """The smallest number of columns, up to `most` more, with which there is a pattern."""
     for more in range(1, most + 1):
+        longer = replace(prover.problem, columns=prover.problem.columns + more)
+        quick, _ = Segments().search(longer, prover.families)
+        if quick.status == "optimal":
+            return longer.columns
+        if quick.status == "infeasible":
+            continue
         if time.perf_counter() > prover.deadline:
             return None
-        longer = replace(prover.problem, columns=prover.problem.columns + more)
         if prover.solver.is_feasible(build_program(longer, prover.families), 1.0, prover.seed):
             return longer.columns
     return None
