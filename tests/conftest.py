@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import absl.logging
 import pytest
+
+# OR-Tools' MathOpt brings absl, whose log handler keeps the stream it found and closes it when Hydra sets up
+# logging, unless it is one of the interpreter's own; under pytest it would close the capture of the whole session.
+absl.logging.get_absl_handler().python_handler.stream = sys.__stderr__
 
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
