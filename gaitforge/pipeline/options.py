@@ -27,9 +27,9 @@ class Search:
     """Factors on the robot's nominal column time, tried in this order."""
     transition_slack: int = 1
     """Change times more than the fewest that a transition may have, for margin."""
-    transition_phases: Literal["seam", "paper"] = "seam"
-    """Columns of the gaits that a transition begins and ends with (`footfall.phases.Phases`); a timeline leaves a gait
-    at the end of a cycle and enters one at its start, so *best* has no plan."""
+    transition_phases: Literal["seam", "paper", "best"] = "seam"
+    """Columns of the gaits that a transition begins and ends with (`footfall.phases.Phases`); with *best* the gaits
+    are begun where they meet, and a gait between two transitions is left where it was entered."""
     gait_batch: int = 2
     """Patterns of a gait that are planned before the cheapest of them is taken."""
     transition_batch: int = 1
@@ -42,8 +42,8 @@ class Search:
             raise ValueError("at least one candidate")
         if min(self.gait_batch, self.transition_batch, self.workers) < 1:
             raise ValueError("batches of at least one try, and at least one worker")
-        if self.transition_slack < 0 or self.transition_phases not in ("seam", "paper"):
-            raise ValueError("a slack of at least 0, and phases seam or paper")
+        if self.transition_slack < 0 or self.transition_phases not in ("seam", "paper", "best"):
+            raise ValueError("a slack of at least 0, and phases seam, paper or best")
         if not self.transition_columns or not self.transition_stretch or min(self.transition_stretch) <= 0:
             raise ValueError("at least one number of columns and one stretch > 0")
 

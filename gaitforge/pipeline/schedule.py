@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from math import cos, sin
 
 from gaitforge.motion.plan import Command, MotionPlan
@@ -13,7 +12,7 @@ from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.transitions import plan_change
+from gaitforge.pipeline.transitions import meeting, plan_change
 from gaitforge.pipeline.tries import Workers
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase, Task
@@ -27,12 +26,31 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
     """
     with Workers(options.search.workers) as workers:
         gaits = _plan_gaits(robot, task, options, watch, done, workers)
-        changes = [plan_change(robot, a.plan, b.plan, options, watch, workers) for a, b in pairwise(gaits)]
+        changes = _plan_changes(robot, gaits, options, watch, workers)
     start, stop = (
         Segment(_stand(w, robot, g.plan, options, watch)) for w, g in (("start", gaits[0]), ("stop", gaits[-1]))
     )
     between = [segment for pair in zip(gaits[1:], changes, strict=True) for segment in reversed(pair)]
     done[:] = [start, gaits[0], *between, stop]
+
+
+def _plan_changes(
+    robot: RobotModel, gaits: list[Segment], options: Options, watch: Stopwatch, workers: Workers
+) -> list[Segment]:
+    """The transitions between the gaits, which are begun where they meet.
+
+    With the best pair of phases only the first gait may be left anywhere: the others go on for whole
+    cycles from where they were entered.
+    """
+    best = options.search.transition_phases == "best"
+    changes: list[Segment] = []
+    for index in range(len(gaits) - 1):
+        before, after = gaits[index], gaits[index + 1]
+        leave = 0 if best and index else None
+        changes.append(plan_change(robot, before.plan, after.plan, options, watch, workers, leave))
+        met = meeting(before.plan, after.plan, changes[-1].plan.pattern, options)
+        gaits[index], gaits[index + 1] = replace(before, plan=met[0]), replace(after, plan=met[1])
+    return changes
 
 
 def _plan_gaits(

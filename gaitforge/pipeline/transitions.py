@@ -18,10 +18,11 @@ from gaitforge.robot.model import RobotModel
 
 def plan_change(
     robot: RobotModel, before: MotionPlan, after: MotionPlan, options: Options, watch: Stopwatch,
-    workers: Workers | None = None,
+    workers: Workers | None = None, leave: int | None = None,
 ) -> Segment:  # fmt: skip
-    """The transition from one gait into another.
+    """The transition from one gait into another; `leave`: the one column at which the first may be left.
 
+    With the best pair of phases the plan joins the gaits as `meeting` turns them.
     Tries are made in batches; of the first batch in which any has a plan, the cheapest is taken.
     Raises `InfeasibleFootfall` when no number of columns has a pattern, `UnsolvedError` when no try had a plan.
     """
@@ -35,7 +36,7 @@ def plan_change(
     attempts: list[Attempt] = []
     tries = (
         _try(robot, before, after, pattern, column_s, name, options)
-        for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts)
+        for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts, leave)
     )
     while batch := list(islice(tries, options.search.transition_batch)):
         with watch.stage("motion"):
@@ -57,12 +58,24 @@ def _try(
 ) -> Try:  # fmt: skip
     what = f"{pattern.columns} columns of {column_s:.3f} s, {pattern.changes} changes"
     named = {"pattern": pattern, "column_s": column_s, "name": name, "options": options.motion}
-    return Try(what, "transition", robot, (before, after), named)
+    return Try(what, "transition", robot, meeting(before, after, pattern, options), named)
+
+
+def meeting(
+    before: MotionPlan, after: MotionPlan, transition: FootfallPattern, options: Options
+) -> tuple[MotionPlan, MotionPlan]:
+    """Both gaits begun where the transition leaves the one and enters the other (their own seams, but for *best*)."""
+    from gaitforge.motion.rotate import rotated
+
+    if options.search.transition_phases != "best":
+        return before, after
+    info = transition.info
+    return rotated(before, info["from_column"]), rotated(after, info["to_column"] + 1)
 
 
 def _tries(
     robot: RobotModel, before: MotionPlan, after: MotionPlan, name: str, options: Options, watch: Stopwatch,
-    attempts: list[Attempt],
+    attempts: list[Attempt], leave: int | None,
 ) -> Iterator[tuple[FootfallPattern, float]]:  # fmt: skip
     """(pattern, column time [s]): the best of every timing before the second best of any."""
     search, nominal = options.search, robot.nominal
@@ -73,7 +86,9 @@ def _tries(
             for extra in search.transition_columns:
                 columns = nominal.transition_columns + extra
                 if columns not in found:
-                    found[columns] = _patterns(robot, before, after, columns, name, options, watch, attempts, refusals)
+                    found[columns] = _patterns(
+                        robot, before, after, columns, name, options, watch, attempts, refusals, leave
+                    )
                 if rank < len(found[columns]):
                     yield found[columns][rank], nominal.transition_column_s * stretch
     if refusals and not any(found.values()):
@@ -82,7 +97,7 @@ def _tries(
 
 def _patterns(
     robot: RobotModel, before: MotionPlan, after: MotionPlan, columns: int, name: str, options: Options,
-    watch: Stopwatch, attempts: list[Attempt], refusals: list[InfeasibleFootfall],
+    watch: Stopwatch, attempts: list[Attempt], refusals: list[InfeasibleFootfall], leave: int | None,
 ) -> tuple[FootfallPattern, ...]:  # fmt: skip
     from gaitforge.footfall.synthesis import transition_pattern_candidates
 
@@ -91,7 +106,8 @@ def _patterns(
         with watch.stage("footfall"):
             found = transition_pattern_candidates(
                 robot, before.pattern, after.pattern, columns=columns, limit=options.search.transition_candidates,
-                slack=options.search.transition_slack, phases=options.search.transition_phases, **options.footfall,
+                from_column=leave, slack=options.search.transition_slack,
+                phases=options.search.transition_phases, **options.footfall,
             )  # fmt: skip
     except (InfeasibleFootfall, UnsolvedError) as error:
         attempts.append(Attempt(f"pattern of {columns} columns", str(error), time.perf_counter() - begin))

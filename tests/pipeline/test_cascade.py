@@ -275,7 +275,7 @@ def test_the_gait_before_is_handed_on_to_the_next_phase(
         {"gait_batch": 0},
         {"transition_batch": 0},
         {"transition_slack": -1},
-        {"transition_phases": "best"},
+        {"transition_phases": "worst"},
     ],
 )
 def test_a_search_that_makes_no_sense_is_refused(wrong: dict[str, Any]) -> None:
