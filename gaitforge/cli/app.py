@@ -49,6 +49,8 @@ def _run(arguments: list[str]) -> int:
     from gaitforge.config import register
     from gaitforge.resources import conf_dir, robot_files
 
+    if (before := sys.modules.get("gaitforge.cli.sweep")) is not None:  # not imported here: Hydra's plugins come first
+        before.last_sweep.forget()
     arguments, allow = _allowed_packages(arguments)
     register({name: str(file) for name, file in robot_files().items()})
     outcomes: list[JobOutcome] = []

@@ -21,6 +21,11 @@ class SweepOutcome:
     refused: list[tuple[str, Exception]] = field(default_factory=list)
     """(overrides of the job, why it could not be composed)"""
 
+    def forget(self) -> None:
+        """Nothing swept yet: one process may run the command line more than once."""
+        self.returns.clear()
+        self.refused.clear()
+
 
 last_sweep = SweepOutcome()
 
@@ -32,8 +37,7 @@ class PatientSweeper(BasicSweeper):
         """Run the jobs; results go to `last_sweep` as well, because Hydra's entry point returns nothing."""
         assert self.hydra_context is not None
         assert self.launcher is not None
-        last_sweep.returns.clear()
-        last_sweep.refused.clear()
+        last_sweep.forget()
         parser = OverridesParser.create(config_loader=self.hydra_context.config_loader)
         overrides = parser.parse_overrides([*self._parse_config(), *arguments])
         first = 0

@@ -58,3 +58,11 @@ def test_a_job_with_bad_input_leaves_no_folder_in_a_sweep(gaitforge: Run) -> Non
 )
 def test_the_worst_code_of_a_sweep_is_its_exit_code(codes: list[int], expected: int) -> None:
     assert worst(codes) == expected
+
+
+def test_a_run_after_a_sweep_in_the_same_process_answers_for_itself_alone(gaitforge):
+    assert gaitforge("--multirun", "robot=hexapod,nobody", "task.speed=9.0").code == 2
+    alone = gaitforge("robot=hexapod", "task.sped=0.05")
+    assert alone.code == 2
+    assert "nobody" not in alone.out + alone.err
+    assert gaitforge("robot=hexapod", "task.speed=9.0").out.count("infeasible") == 1

@@ -97,7 +97,7 @@ def test_the_next_stability_share_is_taken_and_said_when_there_is_no_plan(hexapo
         samples_per_column=1, finest=1, stability_shares=(1.0, 0.3), solver=Ipopt(max_iterations=40)
     )
     plan = solve_refined(segment, options)
-    assert plan.relaxed == ("stability share 0.3",)
+    assert "stability share 0.3" in plan.relaxed
     assert plan.report.details["stability_share"] == 0.3
 
 
