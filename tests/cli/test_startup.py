@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 from gaitforge import __version__
@@ -23,10 +22,11 @@ def test_help_shows_options_and_exit_codes_without_loading_a_heavy_library(tmp_p
         "try: main(['--help'])\n"
         "except SystemExit: pass\n"
         f"print('loaded', [m for m in {HEAVY!r} if m in sys.modules])\n"
+        "import time\n"
+        "print('seconds', time.process_time())\n"
     )
-    begin = time.perf_counter()
     done = python(code, tmp_path)
-    seconds = time.perf_counter() - begin
+    seconds = float(done.stdout.split("seconds")[-1])  # of the processor: others on the machine do not count
     assert "loaded []" in done.stdout
     assert "robot: dodecapod, hexapod, quadruped" in done.stdout
     assert "task: camera_leg, transition, walk" in done.stdout
