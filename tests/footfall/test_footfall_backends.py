@@ -159,6 +159,7 @@ def interrupted_backend(backend):
     mathopt.FIRST_TRY = 3.0
     problem, families = SLOW
     program = build_program(problem, (*families, GapRule(5)))
+    backend.is_feasible(build_program(THREE, ()), 1.0, 0)  # its library is imported before the clock runs
     press_ctrl_c(4.0)
     return backend.minimize(program, 40.0, 0)
 
@@ -177,7 +178,7 @@ def interrupted_cpsat(after):
 def test_ctrl_c_ends_a_search_with_the_best_pattern_so_far(backend):
     problem, families = SLOW
     solution = interrupted(interrupted_backend, backend)
-    assert solution.solve_s < 35  # of 40 that it was given, and a few on a free machine
+    assert solution.solve_s < 8
     assert solution.bound <= solution.objective
     assert not check_pattern(solution.contact, problem, families)
 
@@ -185,7 +186,7 @@ def test_ctrl_c_ends_a_search_with_the_best_pattern_so_far(backend):
 @pytest.mark.parametrize("after", [0.8, 2.0])
 def test_ctrl_c_ends_cpsat_in_either_of_its_tries(after):
     timed = interrupted(interrupted_cpsat, after)
-    assert timed.solve_s < after + 20  # of 30
+    assert timed.solve_s < after + 3
     assert timed.status in ("unknown", "feasible")
 
 
