@@ -17,6 +17,7 @@ from walkers import (
     walker,
 )
 
+import gaitforge as gf
 from gaitforge.motion.timeline import Timeline
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene, SceneObject
@@ -48,6 +49,12 @@ def test_a_robot_that_stands_passes_every_check() -> None:
     assert np.all(verdict.trace.normal_force > 1.0)
     weight = verdict.trace.normal_force[-48:].sum(axis=1).mean()
     assert weight == pytest.approx(SIX.mass * 9.81, rel=0.01)
+
+
+def test_plans_of_one_name_are_judged_apart() -> None:
+    stand = stand_plan(SIX, 0.5)
+    verdict = gf.verify(SIX, [(stand, 1), (replace(stand), 1)])
+    assert {check.segment for check in verdict.checks} == {stand.name, f"{stand.name}-2"}
 
 
 def test_a_tripod_gait_walks_at_the_planned_speed(walked: Verdict) -> None:
