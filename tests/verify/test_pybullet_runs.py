@@ -198,3 +198,22 @@ def test_the_robot_is_spawned_with_its_feet_on_the_ground_whatever_height_is_pla
     plan = stand_plan(SIX, 0.2, height=HEIGHT + 0.3)
     trace = PyBulletSimulator(settle_s=0.0).run(SIX, timeline_of(SIX, (plan, 1)), Scene())
     assert trace.base_poses[0, 2] == pytest.approx(HEIGHT, abs=1e-6)
+
+
+def test_a_movable_box_falls_as_far_as_gravity_takes_it_and_its_pose_is_recorded() -> None:
+    box = SceneObject("parcel", "box", (1.0, 0.5, 0.80), (0.0, 0.0, 0.3), size=(0.2, 0.1, 0.1), mass=0.5)
+    wall = SceneObject("wall", "box", (2.0, 0.0, 0.1))
+    timeline = timeline_of(SIX, (stand_plan(SIX, 0.3), 1))
+    trace = PyBulletSimulator(settle_s=0.0).run(SIX, timeline, Scene((wall, box)))
+    assert set(trace.objects) == {"parcel"}
+    poses = trace.objects["parcel"]
+    assert poses.shape == (len(trace.times), 7)
+    np.testing.assert_allclose(poses[0], [1.0, 0.5, 0.80, 0.0, 0.0, np.sin(0.15), np.cos(0.15)], atol=1e-9)
+    np.testing.assert_allclose(poses[:, 2], 0.80 - 0.5 * 9.81 * trace.times**2, atol=0.01)
+    np.testing.assert_allclose(poses[:, 3:], poses[:1, 3:].repeat(len(poses), 0), atol=1e-3)
+
+
+def test_a_movable_box_that_is_let_go_ends_on_the_ground() -> None:
+    box = SceneObject("parcel", "box", (1.0, 0.0, 0.10), size=(0.2, 0.1, 0.1), mass=0.5)
+    trace = PyBulletSimulator(settle_s=0.3).run(SIX, timeline_of(SIX, (stand_plan(SIX, 0.3), 1)), Scene((box,)))
+    assert trace.objects["parcel"][-1, 2] == pytest.approx(0.05, abs=1e-3)
