@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitforge.errors import InputError, Problem
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.aim import aim_joints
 from gaitforge.motion.options import MotionOptions
@@ -80,8 +81,12 @@ def _mean_aims(
     """Limb name → joints (n,) that look at the target from the expected place of the nominal body."""
     aims = {}
     for name, role in roles.items():
+        if not isinstance(role, Tool):
+            continue
         tool = robot.tool(name)
-        if tool is None or not isinstance(role, Tool) or isinstance(role.look_at, str):
+        if tool is None:
+            raise InputError(Problem(robot.name, f"roles.{name}", "a tool role", "a limb that carries a camera"))
+        if isinstance(role.look_at, str):
             continue
         x, y, yaw = expected_base if role.frame == "world" else (0.0, 0.0, 0.0)
         base = np.array([[x, y, robot.nominal.body_height, 0.0, 0.0, yaw]])
