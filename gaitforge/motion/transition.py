@@ -68,11 +68,13 @@ def plan_transition(
 
 
 def mean_command(a: Command, b: Command) -> Command:
-    """The command half-way between two: mean velocity vector, mean yaw rate."""
+    """The command half-way between two: mean velocity vector, mean yaw rate; the higher steps of both."""
     va, vb = (c.speed * np.array([np.cos(c.heading), np.sin(c.heading)]) for c in (a, b))
     mean = 0.5 * (va + vb)
     heading = float(np.arctan2(mean[1], mean[0])) if np.linalg.norm(mean) > 0 else a.heading
-    return Command(float(np.linalg.norm(mean)), heading, 0.5 * (a.yaw_rate + b.yaw_rate))
+    steps = [c.step_height for c in (a, b) if c.step_height is not None]
+    rate = 0.5 * (a.yaw_rate + b.yaw_rate)
+    return Command(float(np.linalg.norm(mean)), heading, rate, step_height=max(steps, default=None))
 
 
 def _moving(robot: RobotModel, pattern: FootfallPattern, start: Boundary, end: Boundary) -> tuple[int, ...]:
