@@ -23,7 +23,8 @@ def load_of(options: MotionOptions, plan: MotionPlan) -> float:
     details = plan.report.details
     if details["zmp_margin_m"] < STEADY_M:
         return float("inf")
-    return max(details["speed_ratio"] / options.speed_share, details["effort_ratio"] / options.effort_share)
+    speed, effort = float(details["speed_ratio"]), float(details["effort_ratio"])
+    return max(speed / options.speed_share, effort / options.effort_share)
 
 
 @dataclass

@@ -39,7 +39,7 @@ def plan_transition(
     """A motion plan that leaves gait `before` at the end of a cycle and enters gait `after` at its start.
 
     Joint positions and velocities are continuous at both ends by construction (the spline is clamped
-    to the gaits' end velocities); the body covers at least `options.progress_share` of the mean
+    to the gaits' end velocities); the body covers at least the `progress` family's share of the mean
     commanded travel.  `pattern`: the transition's C (synthesised when None), `column_s` [s] its time
     per column.  `method="interpolate"` is equation (3) of the paper, without any optimisation.  The robot
     carries what it carries in gait `before`.
