@@ -107,8 +107,13 @@ def _reported(
     }
     done = replace(plan.report, seconds=remedies.seconds, iterations=remedies.iterations, details=details)
     deep = report.penetration
-    relaxed = (f"feet {1e3 * deep:.1f} mm into the ground between samples",) if deep > options.ground_tolerance else ()
-    return replace(plan, report=done, relaxed=relaxed)
+    relaxed = []
+    if deep > options.ground_tolerance:
+        relaxed.append(f"feet {1e3 * deep:.1f} mm into the ground between samples")
+    weakest = max(efforts, key=efforts.__getitem__)
+    if efforts[weakest] > 1.0:
+        relaxed.append(f"limb {weakest} at {efforts[weakest]:.2f} of its effort limit")
+    return replace(plan, report=done, relaxed=tuple(relaxed))
 
 
 def _role_changes(segment: Segment) -> dict[int, float]:

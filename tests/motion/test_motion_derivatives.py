@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
+import inspect
+import pkgutil
 from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 import pytest
 
+from gaitforge.motion import constraints, costs
 from gaitforge.motion.assembly import assemble
+from gaitforge.motion.family import Family
 from gaitforge.motion.plan import Command
 from gaitforge.motion.problem import Problem, Term
 from gaitforge.robot.model import RobotModel
@@ -68,6 +73,17 @@ def test_every_family_is_in_the_cases(turning_gait: Instance, transition: Instan
         assert {t.family for t in case.problem.terms if t.rows is None} == COSTS
     pairs = {t.kernel.sizes[0] for t in turning_gait.problem.terms if t.family == "clearance"}
     assert pairs == {3, 6}, "a moving body near a resting one, and near another moving one"
+
+
+def test_no_family_of_the_project_is_left_out() -> None:
+    """A family without a place in these cases fails here: in the options' defaults or added by `instance`."""
+    found = set()
+    for package in (constraints, costs):
+        for module in pkgutil.iter_modules(package.__path__):
+            for value in vars(importlib.import_module(f"{package.__name__}.{module.name}")).values():
+                if isinstance(value, type) and issubclass(value, Family) and not inspect.isabstract(value):
+                    found.add(value.name)
+    assert found == (CONSTRAINTS | COSTS | {"progress"}) - {"center_of_mass"}
 
 
 def test_the_kernels_of_every_family_have_the_derivatives_of_their_values(case: Instance) -> None:
