@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class SceneObject:
-    """A pipe or a box, fixed in the world.
+    """A pipe or a box, fixed in the world unless it has a mass: then `xyz` and `rpy` are where it starts.
 
     A pipe's axis is the x axis of its pose, its opening the centre of the end at −x (the end that
     faces a robot walking along +x); `xyz` is the opening.  A box is centred at `xyz`.
@@ -33,6 +33,11 @@ class SceneObject:
     """[m] full edge lengths of a box"""
     mass: float = 0.0
     """[kg]; 0 = does not move"""
+
+    @property
+    def movable(self) -> bool:
+        """Is it a body that can be pushed, lifted and dropped."""
+        return self.mass > 0.0
 
     def points(self) -> dict[str, NDArray[np.float64]]:
         """Named points of the object [m], world frame."""

@@ -58,4 +58,5 @@ def assemble_trace(
         sight=recording.sight,
         unplanned=unplanned_contacts(robot, recording, scene, foot, other_foot, swing_force),
         images=recording.images,
+        objects=recording.objects,
     )

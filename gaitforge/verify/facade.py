@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import count
 from typing import Any, Literal
 
 from gaitforge.errors import InputError, Problem
@@ -42,7 +44,8 @@ def verify(
     if isinstance(simulator, str) and simulator not in SIMULATORS:
         raise InputError(Problem("verify", "simulator", repr(simulator), "one of " + ", ".join(SIMULATORS)))
     around = scene if isinstance(scene, Scene) else Scene(tuple(_scene_object(item) for item in scene))
-    timeline = build_timeline(robot, _with_stands(robot, segments) if stands else segments, around)
+    whole = _with_stands(robot, segments) if stands else segments
+    timeline = build_timeline(robot, _named_apart(whole), around)
     runner = None if isinstance(simulator, str) else simulator
     return verify_timeline(robot, timeline, around, simulator=runner, limits=limits, progress=progress)
 
@@ -54,6 +57,18 @@ def _with_stands(robot: RobotModel, segments: Sequence[tuple[MotionPlan, int]]) 
     if whole[-1][0].kind == "gait":
         whole.append((plan_stop(robot, whole[-1][0]), 1))
     return whole
+
+
+def _named_apart(segments: Sequence[tuple[MotionPlan, int]]) -> list[tuple[MotionPlan, int]]:
+    """Plans of one name get a number, so that checks and logs tell them apart: gait, gait-2, …"""
+    taken: set[str] = set()
+    apart = []
+    for plan, cycles in segments:
+        names = (plan.name if n == 1 else f"{plan.name}-{n}" for n in count(1))
+        name = next(n for n in names if n not in taken)
+        taken.add(name)
+        apart.append((plan if name == plan.name else replace(plan, name=name), cycles))
+    return apart
 
 
 def _scene_object(item: SceneObject | Mapping[str, Any]) -> SceneObject:

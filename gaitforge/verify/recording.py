@@ -59,3 +59,5 @@ class Recording:
     sight: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
     """tool name → (n,) is the line of sight to its target free (True when it has none)"""
     images: tuple[tuple[float, bytes], ...] = ()
+    objects: dict[str, Array] = field(default_factory=dict)
+    """name of a movable object of the scene → (n, 7) its pose in the world: x, y, z [m], quaternion x, y, z, w"""

@@ -66,3 +66,5 @@ class Trace:
     unplanned: tuple[UnplannedContact, ...] = ()
     images: tuple[tuple[float, bytes], ...] = ()
     """(time [s], PNG) of the camera at `camera_hz`, when asked for"""
+    objects: dict[str, Array] = field(default_factory=dict)
+    """name of a movable object of the scene → (n, 7) its pose in the world: x, y, z [m], quaternion x, y, z, w"""

@@ -243,3 +243,8 @@ def test_points_of_the_scene_are_found_by_name_and_others_refused() -> None:
     assert tuple(tool_target(Tool(OTHER), scene)) == OTHER
     with pytest.raises(InputError, match=r"'pipe.end'; expected one of pipe.opening"):
         tool_target(Tool("pipe.end"), scene)
+
+
+def test_a_limb_without_a_camera_is_not_asked_to_look(hexapod: RobotModel) -> None:
+    with pytest.raises(InputError, match=r"R1.*a limb that carries a camera"):
+        gf.plan_gait(hexapod, PENTA, roles={"R1": Tool(look_at=TARGET)})

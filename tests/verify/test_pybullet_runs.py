@@ -17,6 +17,7 @@ from walkers import (
     walker,
 )
 
+import gaitforge as gf
 from gaitforge.motion.timeline import Timeline
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene, SceneObject
@@ -48,6 +49,12 @@ def test_a_robot_that_stands_passes_every_check() -> None:
     assert np.all(verdict.trace.normal_force > 1.0)
     weight = verdict.trace.normal_force[-48:].sum(axis=1).mean()
     assert weight == pytest.approx(SIX.mass * 9.81, rel=0.01)
+
+
+def test_plans_of_one_name_are_judged_apart() -> None:
+    stand = stand_plan(SIX, 0.5)
+    verdict = gf.verify(SIX, [(stand, 1), (replace(stand), 1)])
+    assert {check.segment for check in verdict.checks} == {stand.name, f"{stand.name}-2"}
 
 
 def test_a_tripod_gait_walks_at_the_planned_speed(walked: Verdict) -> None:
@@ -191,3 +198,22 @@ def test_the_robot_is_spawned_with_its_feet_on_the_ground_whatever_height_is_pla
     plan = stand_plan(SIX, 0.2, height=HEIGHT + 0.3)
     trace = PyBulletSimulator(settle_s=0.0).run(SIX, timeline_of(SIX, (plan, 1)), Scene())
     assert trace.base_poses[0, 2] == pytest.approx(HEIGHT, abs=1e-6)
+
+
+def test_a_movable_box_falls_as_far_as_gravity_takes_it_and_its_pose_is_recorded() -> None:
+    box = SceneObject("parcel", "box", (1.0, 0.5, 0.80), (0.0, 0.0, 0.3), size=(0.2, 0.1, 0.1), mass=0.5)
+    wall = SceneObject("wall", "box", (2.0, 0.0, 0.1))
+    timeline = timeline_of(SIX, (stand_plan(SIX, 0.3), 1))
+    trace = PyBulletSimulator(settle_s=0.0).run(SIX, timeline, Scene((wall, box)))
+    assert set(trace.objects) == {"parcel"}
+    poses = trace.objects["parcel"]
+    assert poses.shape == (len(trace.times), 7)
+    np.testing.assert_allclose(poses[0], [1.0, 0.5, 0.80, 0.0, 0.0, np.sin(0.15), np.cos(0.15)], atol=1e-9)
+    np.testing.assert_allclose(poses[:, 2], 0.80 - 0.5 * 9.81 * trace.times**2, atol=0.01)
+    np.testing.assert_allclose(poses[:, 3:], poses[:1, 3:].repeat(len(poses), 0), atol=1e-3)
+
+
+def test_a_movable_box_that_is_let_go_ends_on_the_ground() -> None:
+    box = SceneObject("parcel", "box", (1.0, 0.0, 0.10), size=(0.2, 0.1, 0.1), mass=0.5)
+    trace = PyBulletSimulator(settle_s=0.3).run(SIX, timeline_of(SIX, (stand_plan(SIX, 0.3), 1)), Scene((box,)))
+    assert trace.objects["parcel"][-1, 2] == pytest.approx(0.05, abs=1e-3)

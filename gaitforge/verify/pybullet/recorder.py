@@ -22,6 +22,8 @@ class Recorder:
         self._base = np.zeros((rows + 1, 13))  # position, quaternion, linear, angular of the CoM frame
         self._joints = np.zeros((3, rows + 1, len(world.joints)))  # position, velocity, torque
         self._others = {world.ground: GROUND, **{body: k for k, body in enumerate(world.objects, len(world.links))}}
+        self._movable = dict(world.movable)
+        self._objects = np.zeros((rows, len(self._movable), 7))  # position, quaternion
         self._contacts: list[tuple[float, ...]] = []
 
     def state(self, row: int) -> None:
@@ -34,6 +36,10 @@ class Recorder:
         self._joints[0, row] = [s[0] for s in states]
         self._joints[1, row] = [s[1] for s in states]
         self._joints[2, row - 1] = [s[3] for s in states]
+        if row < self._rows:
+            for k, body in enumerate(self._movable.values()):
+                pose = p.getBasePositionAndOrientation(body, physicsClientId=world.client)
+                self._objects[row, k, :3], self._objects[row, k, 3:] = pose
 
     def contacts(self, row: int) -> None:
         """Write the contacts of the step just made: found in the state of `row`, their force led away from it."""
@@ -63,6 +69,7 @@ class Recorder:
             contacts=_table(self._contacts),
             sight=sight,
             images=tuple(images),
+            objects={name: self._objects[:, k] for k, name in enumerate(self._movable)},
         )
 
 

@@ -37,6 +37,8 @@ class World:
     robot: int
     objects: tuple[int, ...]
     """Body of each object of the scene"""
+    movable: dict[str, int]
+    """name → body of those that are not fixed in the world"""
     joints: tuple[int, ...]
     """PyBullet's joint index, in the order of `RobotModel.joint_names`"""
     links: tuple[str, ...]
@@ -99,12 +101,14 @@ def build_world(p: Any, client: int, robot: RobotModel, scene: Scene, friction: 
     links = (p.getBodyInfo(body, physicsClientId=client)[0].decode(), *(info[12].decode() for info in infos))
     index = {info[1].decode(): i for i, info in enumerate(infos)}
     dynamics = p.getDynamicsInfo(body, -1, physicsClientId=client)
+    objects = tuple(add_object(p, client, item) for item in scene.objects)
     world = World(
         p=p,
         client=client,
         ground=ground,
         robot=body,
-        objects=tuple(add_object(p, client, item) for item in scene.objects),
+        objects=objects,
+        movable={item.name: body for item, body in zip(scene.objects, objects, strict=True) if item.movable},
         joints=tuple(index[name] for name in robot.joint_names),
         links=links,
         com_in_base=np.array(dynamics[3]),
