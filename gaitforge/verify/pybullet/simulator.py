@@ -105,7 +105,7 @@ class PyBulletSimulator:
         world.place_robot(pose, plan.joint_positions[0])
         still = np.zeros(len(robot.joint_names))
         for _ in range(round(self.settle_s * self.rate_hz)):
-            self._command(world, robot, plan.joint_positions[0], still)
+            self._command(world, robot, plan.joint_positions[0], still, plan.efforts[0])
             world.p.stepSimulation(physicsClientId=world.client)
 
     def _walk(
@@ -130,7 +130,7 @@ class PyBulletSimulator:
                     (float(plan.times[row]), camera_picture(world, camera, self.camera_size, self.camera_fov_deg))
                 )
                 due += 1.0 / self.camera_hz
-            self._command(world, robot, plan.joint_positions[row], self.velocity_feedforward * speeds[row])
+            self._command(world, robot, plan.joint_positions[row], self.velocity_feedforward * speeds[row], plan.efforts[row])
             world.p.stepSimulation(physicsClientId=world.client)
             recorder.contacts(row)
             recorder.state(row + 1)
@@ -138,10 +138,10 @@ class PyBulletSimulator:
                 progress((row + 1) / rows)
         return images
 
-    def _command(self, world: World, robot: RobotModel, positions: Array, velocities: Array) -> None:
+    def _command(self, world: World, robot: RobotModel, positions: Array, velocities: Array, efforts: Array) -> None:
         set_motor: Any = world.p.setJointMotorControl2
         body, mode, client, gain = world.robot, world.p.POSITION_CONTROL, world.client, self.position_gain
-        rows = zip(world.joints, positions.tolist(), velocities.tolist(), robot.effort, robot.velocity, strict=True)
+        rows = zip(world.joints, positions.tolist(), velocities.tolist(), efforts.tolist(), robot.velocity, strict=True)
         for joint, q, dq, effort, speed in rows:
             set_motor(
                 body,
