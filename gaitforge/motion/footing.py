@@ -6,20 +6,26 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitforge.errors import InfeasibleMotion
+from gaitforge.footfall.margin import support_margins
 from gaitforge.motion.inverse import tip_joints
 from gaitforge.robot.model import RobotModel
 
+Array = NDArray[np.float64]
+AMPLE = 0.03
+"""[m] static margin without any one foot"""
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)
 """of the whole way, tried in this order: limbs reach only so far"""
 
 
 def under_load(robot: RobotModel, walking: Sequence[str]) -> RobotModel:
-    """The robot with the standing posture of `walking` limbs changed so that their feet stand around its centre of mass.
+    """The robot with `walking` limbs standing, in its nominal posture, around its centre of mass.
 
     All feet are moved along x by the same way; limbs that do not walk are where `held_posture` has them,
     and the robot's loads count.  What the motion optimiser pulls towards is then a stance that it can keep.
+    A stance that is stable without any one of its feet stays as it is.
     """
     nominal = robot.nominal
     joints = np.array(nominal.posture, dtype=float)
@@ -30,6 +36,8 @@ def under_load(robot: RobotModel, walking: Sequence[str]) -> RobotModel:
     base = np.zeros(6)
     feet = robot.foot_positions(base, joints)
     indices = [robot.limb_names.index(name) for name in walking]
+    if _margin_of_crawl(robot, base, joints, indices) >= AMPLE:
+        return robot
     ahead = float(robot.center_of_mass(base, joints)[0] - feet[indices, 0].mean())
     for share in SHARES:
         try:
@@ -40,7 +48,16 @@ def under_load(robot: RobotModel, walking: Sequence[str]) -> RobotModel:
     return robot
 
 
-def _moved(robot: RobotModel, indices: Sequence[int], ahead: float) -> np.ndarray:
+def _margin_of_crawl(robot: RobotModel, base: Array, joints: Array, indices: Sequence[int]) -> float:
+    """[m] smallest margin of the centre of mass with any one of the feet lifted."""
+    feet = np.tile(robot.foot_positions(base, joints)[None, :, :2], (len(indices), 1, 1))
+    stance = np.zeros(feet.shape[:2], dtype=bool)
+    stance[:, indices] = True
+    stance[np.arange(len(indices)), indices] = False
+    return float(support_margins(feet, stance, robot.center_of_mass(base, joints)[None, :2]).min())
+
+
+def _moved(robot: RobotModel, indices: Sequence[int], ahead: float) -> Array:
     posture = np.array(robot.nominal.posture, dtype=float)
     feet = robot.foot_positions(np.zeros(6), posture)
     for i in indices:

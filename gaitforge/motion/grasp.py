@@ -50,9 +50,7 @@ class Grasp:
         """Names of the limbs that hold."""
         return tuple(c.limb.name for c in self.contacts)
 
-    def joints(
-        self, poses: Array, gap: float, near: Mapping[str, Array], above: float = 0.0
-    ) -> dict[str, Array]:
+    def joints(self, poses: Array, gap: float, near: Mapping[str, Array], above: float = 0.0) -> dict[str, Array]:
         """limb → (n, n_limb) joints with the tips `gap` [m] off a box at `poses` (n, 6) in base_link, `above` it.
 
         At a gap of 0 limbs that squeeze are sent `DEPTH` into the box.  `near` (limb → joints): where to begin.
@@ -63,21 +61,23 @@ class Grasp:
             found[c.limb.name] = tip_joints(self.robot, c.limb, c.tip(poses, off, above), near[c.limb.name])
         return found
 
-    def unturned(self, poses: Array, held: dict[str, Array]) -> Array:
+    def unturned(self, poses: Array, begin: Array, held: dict[str, Array]) -> Array:
         """The poses (n, 6) moved along x so that the tips do not turn about the faces' normals on the way.
 
         Two tips that spin on a box turn it with them, and nothing else holds its pitch; four hold it themselves.
-        `held`: limb → joints (n_limb,) in the grasp.
+        `held`: limb → joints (n_limb,) in the grasp of the box at `begin` (6,).
         """
         if len(self.contacts) > 2:
             return poses
         found = []
         for c in self.contacts:
-            tips = c.tip(poses, 0.0)
+            home = evaluate_limb(held[c.limb.name][None], limb_parameters(self.robot, c.limb)).foot
+            tips = np.concatenate([home, home + poses[:, :3] - begin[:3]])
             q = unturned_joints(self.robot, c.limb, tips, ASIDE, held[c.limb.name])
-            found.append(evaluate_limb(q, limb_parameters(self.robot, c.limb)).foot[:, 0] - tips[:, 0])
+            ahead = evaluate_limb(q, limb_parameters(self.robot, c.limb)).foot[:, 0]
+            found.append(ahead[1:] - ahead[0])
         moved = np.array(poses)
-        moved[:, 0] += np.mean(found, axis=0)
+        moved[:, 0] = begin[0] + np.mean(found, axis=0)
         return moved
 
     def efforts(self, pose: Array, joints: dict[str, Array], squeeze: float) -> dict[str, float]:
@@ -100,9 +100,7 @@ class Grasp:
         return limits
 
 
-def side_grasp(
-    robot: RobotModel, limbs: Sequence[str], size: Sequence[float], height: float, spread: float
-) -> Grasp:
+def side_grasp(robot: RobotModel, limbs: Sequence[str], size: Sequence[float], height: float, spread: float) -> Grasp:
     """Left limbs on the box's left face, right ones on its right face, `height` [m] above its centre.
 
     Limbs of one side are `spread` [m] apart, the first in front.  Of two limbs one is stiff and the other

@@ -6,7 +6,7 @@ inverse kinematics.  There is nothing to optimise: with the feet and the load gi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -92,7 +92,7 @@ class Carried:
     def holding(self, poses: Array | None = None) -> Holding:
         """What a plan says in which the box is borne; `poses` (N + 1, 6) in base_link when it moves there."""
         still = self.pose[None] if poses is None else poses
-        return Holding(self.box.name, still, self.grasp.limbs, self.efforts, self.box.mass, self.pick.weld)
+        return Holding(self.box.name, still, self.grasp.limbs, self.efforts, self.box.mass)
 
     def ready(self, pose: Array) -> dict[str, Array]:
         """limb → joints (n,) beside and above a box at `pose` (6,): from here it is reached, to here limbs go back."""
@@ -105,7 +105,7 @@ class Carried:
         poses = np.tile(self.grasped, (len(heights), 1))
         poses[:, 2] = heights
         held = {name: q[0] for name, q in self.grasp.joints(self.grasped[None], 0.0, _home(self.grasp)).items()}
-        return self.grasp.unturned(poses, held)
+        return self.grasp.unturned(poses, self.grasped, held)
 
 
 def carry(robot: RobotModel, box: SceneObject, pick: Pick, place: tuple[float, float, float]) -> Carried:
@@ -125,40 +125,45 @@ def carry(robot: RobotModel, box: SceneObject, pick: Pick, place: tuple[float, f
     return replace(first, pose=pose, joints=joints, efforts=grasp.efforts(pose, joints, pick.squeeze))
 
 
-def plan_pick(robot: RobotModel, carried: Carried, end: State, roles: Mapping[str, Role]) -> list[MotionPlan]:
+def plan_pick(
+    robot: RobotModel, carried: Carried, end: State, roles: Mapping[str, Role], others: Sequence[Holding] = ()
+) -> list[MotionPlan]:
     """Reach, close, lift: from where limbs are ready to `end`, the rest in which the robot bears the box.
 
-    `roles`: limb → role of those that neither walk nor hold.  Raises `InfeasibleMotion` and `UnsolvedError`.
+    `roles`: limb → role of the others that do not walk; `others`: what the robot holds already.  Raises
+    `InfeasibleMotion` for a limb that does not reach, and `UnsolvedError` when a limb or the balance is in the way.
     """
-    name, share = carried.box.name, smooth_step(np.linspace(0.0, 1.0, COLUMNS * SAMPLES + 1))
+    stage, share = _Stage(robot, carried, roles, others), smooth_step(np.linspace(0.0, 1.0, COLUMNS * SAMPLES + 1))
     level = _level(robot, carried, end)
     base = level + share[:, None] * (end.base - level)
     poses = carried.path(carried.grasped[2] + share * (carried.pose[2] - carried.grasped[2]))
-    lift = _stage(robot, carried, f"{name}_lift", roles, base, end, True, poses, np.zeros(len(share)))
-    below = State(level, lift.joint_positions[:, 0])
+    lift = stage.move("lift", base, end, True, poses, np.zeros(len(share)))
     still, there = np.tile(level, (len(share), 1)), np.tile(carried.grasped, (len(share), 1))
-    close = _stage(robot, carried, f"{name}_close", roles, still, below, True, there, APPROACH * (1.0 - share))
-    reach = _reach(robot, carried, f"{name}_reach", roles, State(level, close.joint_positions[:, 0]), there, share)
-    bare = {"holdings": (replace(close.holdings[0], mass=0.0),)}
-    return [reach, replace(close, **bare), lift]  # type: ignore[arg-type]
+    below = State(level, lift.joint_positions[:, 0])
+    close = stage.move("close", still, below, True, there, APPROACH * (1.0 - share), borne=False)
+    reach = stage.reach("reach", State(level, close.joint_positions[:, 0]), there, share)
+    return [reach, close, lift]
 
 
 def plan_place(
-    robot: RobotModel, carried: Carried, start: State, roles: Mapping[str, Role], surface: float
-) -> list[MotionPlan]:
-    """Lower, open, retract: from `start`, at rest with the box, to where limbs are ready; `surface` [m] is what it lands on."""
-    name, share = carried.box.name, smooth_step(np.linspace(0.0, 1.0, COLUMNS * SAMPLES + 1))
+    robot: RobotModel, carried: Carried, start: State, roles: Mapping[str, Role], surface: float,
+    others: Sequence[Holding] = (),
+) -> list[MotionPlan]:  # fmt: skip
+    """Lower, open, retract: from `start`, at rest with the box, to where limbs are ready; it lands at `surface` [m].
+
+    The rest as for `plan_pick`.
+    """
+    stage, share = _Stage(robot, carried, roles, others), smooth_step(np.linspace(0.0, 1.0, COLUMNS * SAMPLES + 1))
     level = _level(robot, carried, start)
     base = start.base + share[:, None] * (level - start.base)
     down = surface + 0.5 * carried.box.size[2] - level[2]
     poses = carried.path(carried.pose[2] + share * (down - carried.pose[2]))
-    lower = _stage(robot, carried, f"{name}_lower", roles, base, start, False, poses, np.zeros(len(share)))
-    low = State(level, lower.joint_positions[:, -1])
+    lower = stage.move("lower", base, start, False, poses, np.zeros(len(share)))
     still, there = np.tile(level, (len(share), 1)), np.tile(poses[-1], (len(share), 1))
-    opened = _stage(robot, carried, f"{name}_open", roles, still, low, False, there, APPROACH * share)
-    back = State(level, opened.joint_positions[:, -1])
-    retract = _reach(robot, carried, f"{name}_retract", roles, back, there, share[::-1])
-    return [lower, replace(opened, holdings=(replace(opened.holdings[0], mass=0.0),)), retract]
+    low = State(level, lower.joint_positions[:, -1])
+    opened = stage.move("open", still, low, False, there, APPROACH * share, borne=False)
+    retract = stage.reach("retract", State(level, opened.joint_positions[:, -1]), there, share[::-1])
+    return [lower, opened, retract]
 
 
 def rest_of(plan: MotionPlan, first: bool) -> State:
@@ -200,70 +205,88 @@ def _standing(robot: RobotModel, rest: State) -> tuple[str, ...]:
     return tuple(x.name for x, z in zip(robot.limbs, heights, strict=True) if z - x.foot.radius < 1e-3)
 
 
-def _stage(
-    robot: RobotModel, carried: Carried, name: str, roles: Mapping[str, Role], base: Array, known: State, last: bool,
-    poses: Array, gap: Array,
-) -> MotionPlan:  # fmt: skip
-    """Feet stand, tips follow the box at `poses` with a `gap` (n,) [m] to its faces; `known` is one end of it."""
-    joints = np.tile(known.joints, (len(base), 1))
-    for limb in robot.limbs:
-        if limb.name not in roles and limb.name not in carried.grasp.limbs:
-            rows = robot.joint_indices(limb)
-            joints[:, rows] = standing_joints(robot, limb, base, known.joints[rows], last)
-    closed = carried.grasp.joints(poses, 0.0, carried.joints)
-    opened = carried.grasp.joints(poses, APPROACH, closed)
-    share = (gap / APPROACH)[:, None]
-    for limb_name in carried.grasp.limbs:
-        rows = robot.joint_indices(robot.limb(limb_name))
-        joints[:, rows] = closed[limb_name] + share * (opened[limb_name] - closed[limb_name])
-    return _plan(robot, carried, name, roles, base, joints, carried.holding(poses))
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """What the stages of one pick or place have in common."""
 
+    robot: RobotModel
+    carried: Carried
+    roles: Mapping[str, Role]
+    others: Sequence[Holding]
 
-def _reach(
-    robot: RobotModel, carried: Carried, name: str, roles: Mapping[str, Role], near: State, poses: Array, share: Array
-) -> MotionPlan:
-    """Holding limbs between where they are ready (share 0) and the box (share 1), the rest of the robot still."""
-    joints = np.tile(near.joints, (len(share), 1))
-    for limb_name, ready in carried.ready(poses[0]).items():
-        rows = robot.joint_indices(robot.limb(limb_name))
-        joints[:, rows] = ready + share[:, None] * (near.joints[rows] - ready)
-        gap = box_gap(robot, robot.limb(limb_name), joints[:, rows], poses, carried.box.size)
-        if gap < CLEAR:
-            raise UnsolvedError(
-                f"{name}: {limb_name} would come {1000 * gap:.0f} mm near {carried.box.name} on its way",
-                {"segment": name, "families": ["clearance"], "limbs": [limb_name], "value": gap, "unit": "m",
-                 "advice": "tips that are ready farther from the load, or another place for it"},
-            )  # fmt: skip
-    base = np.tile(near.base, (len(share), 1))
-    return _plan(robot, carried, name, roles, base, joints, Holding(carried.box.name, poses))
+    def move(
+        self, name: str, base: Array, known: State, last: bool, poses: Array, gap: Array, borne: bool = True
+    ) -> MotionPlan:
+        """Feet stand, tips follow the box at `poses` with a `gap` (n,) [m] to its faces; `known` is one end of it."""
+        robot, grasp = self.robot, self.carried.grasp
+        joints = np.tile(known.joints, (len(base), 1))
+        for limb in robot.limbs:
+            if limb.name not in self.roles and limb.name not in grasp.limbs:
+                rows = robot.joint_indices(limb)
+                joints[:, rows] = standing_joints(robot, limb, base, known.joints[rows], last)
+        closed = grasp.joints(poses, 0.0, self.carried.joints)
+        opened = grasp.joints(poses, APPROACH, closed)
+        share = (gap / APPROACH)[:, None]
+        for limb_name in grasp.limbs:
+            rows = robot.joint_indices(robot.limb(limb_name))
+            joints[:, rows] = closed[limb_name] + share * (opened[limb_name] - closed[limb_name])
+        holding = self.carried.holding(poses)
+        return self._plan(name, base, joints, holding if borne else replace(holding, mass=0.0))
 
+    def reach(self, name: str, near: State, poses: Array, share: Array) -> MotionPlan:
+        """Holding limbs between where they are ready (share 0) and the box (share 1), the rest of the robot still."""
+        robot, box = self.robot, self.carried.box
+        joints = np.tile(near.joints, (len(share), 1))
+        for limb_name, ready in self.carried.ready(poses[0]).items():
+            rows = robot.joint_indices(robot.limb(limb_name))
+            joints[:, rows] = ready + share[:, None] * (near.joints[rows] - ready)
+            gap = box_gap(robot, robot.limb(limb_name), joints[:, rows], poses, box.size)
+            if gap < CLEAR:
+                raise UnsolvedError(
+                    f"{box.name}_{name}: {limb_name} would come {1000 * gap:.0f} mm near it on its way",
+                    {"segment": f"{box.name}_{name}", "families": ["clearance"], "limbs": [limb_name], "value": gap,
+                     "unit": "m", "advice": "tips that are ready farther from the load, or another place for it"},
+                )  # fmt: skip
+        return self._plan(name, np.tile(near.base, (len(share), 1)), joints, Holding(box.name, poses))
 
-def _plan(
-    robot: RobotModel, carried: Carried, name: str, roles: Mapping[str, Role], base: Array, joints: Array,
-    holding: Holding,
-) -> MotionPlan:  # fmt: skip
-    count = len(base) - 1
-    seconds = max(LEAST_S, float((np.abs(np.diff(joints, axis=0)).max(axis=0) / robot.velocity).max()) * count / SPEED_SHARE)
-    free = {**roles, **carried.roles}
-    pattern = stand_pattern(robot, COLUMNS, free=list(free))
-    feet = np.array([robot.foot_positions(b, q) for b, q in zip(base, joints, strict=True)])
-    com = np.array([robot.center_of_mass(b, q) for b, q in zip(base, joints, strict=True)])
-    if holding.mass:
-        loads = base[:, :3] + np.einsum("nij,nj->ni", matrices(base[:, 3:]), holding.poses[:, :3])
-        com = (robot.mass * com + holding.mass * loads) / (robot.mass + holding.mass)
-    stance = pattern.contact[:, 0]
-    margin = min(float(support_margins(f[None, :, :2], stance[None], c[None, :2])[0, 0]) for f, c in zip(feet, com, strict=True))
-    if margin < LEAST_MARGIN:
-        raise UnsolvedError(
-            f"{name}: the centre of mass comes within {1000 * margin:.0f} mm of the edge of the feet",
-            {"segment": name, "families": ["balance"], "value": margin, "unit": "m", "advice": "a lighter load, or nearer"},
+    def _plan(self, name: str, base: Array, joints: Array, holding: Holding) -> MotionPlan:
+        robot, count, full = self.robot, len(base) - 1, f"{self.carried.box.name}_{name}"
+        fastest = float((np.abs(np.diff(joints, axis=0)).max(axis=0) / robot.velocity).max())
+        seconds = max(LEAST_S, fastest * count / SPEED_SHARE)
+        free = {**self.roles, **self.carried.roles}
+        pattern = stand_pattern(robot, COLUMNS, free=list(free))
+        stance = pattern.contact[:, 0]
+        holdings = (holding, *self.others)
+        feet = np.array([robot.foot_positions(b, q) for b, q in zip(base, joints, strict=True)])
+        com = _center_of_mass(robot, base, joints, holdings)
+        margin = min(
+            float(support_margins(f[None, :, :2], stance[None], c[None, :2])[0, 0])
+            for f, c in zip(feet, com, strict=True)
         )
-    return MotionPlan(
-        name=name, kind="stand", pattern=pattern, times=np.linspace(0.0, seconds, count + 1),
-        joint_positions=joints.T.copy(), base_poses=base, com=com, feet=feet, weights=_shares(feet, com, stance),
-        command=Command(), roles=free, holdings=(holding,), joint_velocity_ends=np.zeros((2, joints.shape[1])),
-        base_velocity_ends=np.zeros((2, 6)), report=SolveReport("Kinematic", details={"margin_m": margin}),
-    )  # fmt: skip
+        if margin < LEAST_MARGIN:
+            raise UnsolvedError(
+                f"{full}: the centre of mass comes within {1000 * margin:.0f} mm of the edge of the feet",
+                {"segment": full, "families": ["balance"], "value": margin, "unit": "m",
+                 "advice": "a lighter load, or nearer to the body"},
+            )  # fmt: skip
+        return MotionPlan(
+            name=full, kind="stand", pattern=pattern, times=np.linspace(0.0, seconds, count + 1),
+            joint_positions=joints.T.copy(), base_poses=base, com=com, feet=feet,
+            weights=_shares(feet, com, stance), command=Command(), roles=free, holdings=holdings,
+            joint_velocity_ends=np.zeros((2, joints.shape[1])), base_velocity_ends=np.zeros((2, 6)),
+            report=SolveReport("Kinematic", details={"margin_m": margin}),
+        )  # fmt: skip
+
+
+def _center_of_mass(robot: RobotModel, base: Array, joints: Array, holdings: Sequence[Holding]) -> Array:
+    """(n, 3) of the robot and of what it bears [m]."""
+    moment = robot.mass * np.array([robot.center_of_mass(b, q) for b, q in zip(base, joints, strict=True)])
+    mass, turns = robot.mass, matrices(base[:, 3:])
+    for holding in holdings:
+        places = np.broadcast_to(holding.poses[:, :3], (len(base), 3))
+        moment = moment + holding.mass * (base[:, :3] + np.einsum("nij,nj->ni", turns, places))
+        mass += holding.mass
+    return np.asarray(moment / mass)
 
 
 def _shares(feet: Array, com: Array, stance: NDArray[np.bool_]) -> Array:

@@ -27,8 +27,6 @@ class Holding:
     """joint → the effort [N m] that it may use: what it is closed with is the squeeze"""
     mass: float = 0.0
     """[kg] of the object while it is the robot that bears it"""
-    welded: bool = False
-    """Fixed to the robot rather than held by friction"""
 
     def at(self, share: Array) -> Array:
         """(n, 6) where the object is to be in base_link; `share` (n,) of the plan's duration, 0 … 1."""

@@ -1,4 +1,4 @@
-"""Inverse kinematics of one limb: joints that put the foot sphere, or the tip that a tool limb reaches with, in place."""
+"""Inverse kinematics of one limb: joints that put the sphere at its end in its place."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def tip_joints(robot: RobotModel, limb: Limb, tips: Array, guess: Array) -> Arra
     """
 
     def missed(pose: LimbPoses) -> Array:
-        return pose.foot - tips
+        return np.asarray(pose.foot - tips)
 
     return _solve(robot, limb, missed, np.broadcast_to(guess, (len(tips), len(limb.joints))))
 
@@ -77,4 +77,4 @@ def _solve(
                 "advice": "put the load nearer, higher or lower, or take limbs that reach it",
             },
         )
-    return q
+    return np.asarray(q)

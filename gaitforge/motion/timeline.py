@@ -118,9 +118,7 @@ class Timeline:
         efforts, loads = self._grasps(t, segment, cycle)
         return TimelineSamples(t, q, dq, base, contact, segment, cycle, column, efforts, loads)
 
-    def _grasps(
-        self, t: Array, segment: NDArray[np.intp], cycle: NDArray[np.intp]
-    ) -> tuple[Array, dict[str, Array]]:
+    def _grasps(self, t: Array, segment: NDArray[np.intp], cycle: NDArray[np.intp]) -> tuple[Array, dict[str, Array]]:
         efforts = np.tile(self.robot.effort, (len(t), 1))
         loads: dict[str, Array] = {}
         for index, entry in enumerate(self.entries):

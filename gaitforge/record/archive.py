@@ -132,6 +132,8 @@ def _segment_info(plan: MotionPlan) -> dict[str, Any]:
         "relaxed": list(plan.relaxed),
         "command": to_plain(plan.command),
         "roles": to_plain(dict(plan.roles)),
+        "loads": to_plain(plan.loads),
+        "holdings": to_plain(plan.holdings),
         "report": {
             "status": report.status,
             "iterations": int(report.iterations),

@@ -29,8 +29,6 @@ class Pick:
     """[m] … and above where they touch it"""
     crouch: float = 0.0
     """[m] that the body is lower while it reaches: it rises with the load"""
-    weld: bool = False
-    """Fix the box to the robot instead of holding it by friction; the verdict says so"""
 
 
 @dataclass(frozen=True)
