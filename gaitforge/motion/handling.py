@@ -19,7 +19,7 @@ from gaitforge.motion.box_gap import box_gap
 from gaitforge.motion.grasp import Grasp, side_grasp
 from gaitforge.motion.holding import Holding
 from gaitforge.motion.plan import Command, MotionPlan, SolveReport
-from gaitforge.motion.stance import standing_joints
+from gaitforge.motion.standing import standing_joints
 from gaitforge.motion.trajectory import smooth_step
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.payload import Load

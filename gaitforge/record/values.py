@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from gaitforge.motion.holding import Holding
-from gaitforge.motion.plan import Command
+from gaitforge.motion.plan import Command, Stance
 from gaitforge.motion.timeline import Aim
 from gaitforge.robot.limbs import Foot, Limb, ToolMount
 from gaitforge.robot.model import Capsule, Nominal, RobotModel
@@ -26,7 +26,7 @@ CLASSES: dict[str, type] = {
     cls.__name__: cls
     for cls in (
         *(Foot, Limb, ToolMount, Nominal, Capsule, RobotModel, Scene, SceneObject),
-        *(Locomotive, Held, Failed, Tool, Carry, Command, Aim, Holding, Load),
+        *(Locomotive, Held, Failed, Tool, Carry, Command, Stance, Load, Holding, Aim),
     )
 }
 
