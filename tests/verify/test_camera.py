@@ -15,7 +15,7 @@ from gaitforge.verify.pictures import render
 from gaitforge.verify.pointing import pointing_angle
 from gaitforge.verify.pybullet import PyBulletSimulator
 from gaitforge.verify.pybullet.camera import focal_length
-from gaitforge.verify.pybullet.sight import clear_of_camera
+from gaitforge.verify.sight import clear_of_camera
 from gaitforge.verify.trace import Trace
 from gaitforge.verify.verdict import Verdict
 from gaitforge.verify.verify import verify_timeline

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
+from gaitforge.verify.execution import GRAVITY
 
-GRAVITY = 9.81
 
 
 @dataclass(frozen=True)
