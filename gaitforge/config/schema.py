@@ -42,6 +42,18 @@ class SceneObjectConf:
 
 
 @dataclass
+class LoadConf:
+    """What the robot carries."""
+
+    mass: float = MISSING
+    """[kg]"""
+    point: list[float] = MISSING
+    """[m] centre of mass in the frame"""
+    frame: str = "body"
+    """body, a limb or a tool"""
+
+
+@dataclass
 class PhaseConf:
     """One phase of a task; null = the task's value, then the robot's nominal one."""
 
@@ -55,6 +67,7 @@ class PhaseConf:
     yaw_rate: float | None = None
     duration: float | None = None
     columns: int | None = None
+    loads: list[LoadConf] | None = None
 
 
 @dataclass
@@ -70,6 +83,7 @@ class TaskConf:
     yaw_rate: float | None = None
     duration: float | None = None
     columns: int | None = None
+    loads: list[LoadConf] | None = None
 
 
 @dataclass

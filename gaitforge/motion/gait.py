@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -18,6 +18,7 @@ from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.trajectory import Discretisation, Guess, planar_motion
 from gaitforge.robot.model import RobotModel
+from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Held, Role, Tool
 
 Array = NDArray[np.float64]
@@ -36,6 +37,7 @@ def plan_gait(
     postures: Mapping[str, Array] | None = None,
     expected_base: tuple[float, float, float] = (0.0, 0.0, 0.0),
     step_height: float | None = None,
+    loads: Sequence[Load] | None = None,
     name: str = "gait",
     options: MotionOptions | None = None,
 ) -> MotionPlan:
@@ -47,12 +49,14 @@ def plan_gait(
     that does not walk is for; `postures`: limb name → its joint positions (n,) [rad] (where a failed
     limb is locked, say), by default the held posture, and for a tool limb that looks at a point the
     one that does so from `expected_base`: x, y [m] and yaw [rad] of the base in the target's frame
-    in the middle of this gait.
+    in the middle of this gait.  `loads`: what the robot carries, which
+    counts in the centre of mass; None: what `robot` carries already.
     Raises `InputError` for unknown limbs, `InfeasibleMotion` with a geometric certificate, and
     `UnsolvedError` when the optimiser finds no plan, saying which family, limb and sample resist.
     """
     from gaitforge.motion.limits import refuse_impossible_speed
 
+    robot = robot if loads is None else robot.carrying(*loads)
     options = options or MotionOptions()
     if step_height is not None:
         options = replace(options, step_height=step_height)

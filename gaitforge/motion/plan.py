@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Role
 
 Array = NDArray[np.float64]
@@ -71,6 +72,8 @@ class MotionPlan:
     command: Command
     roles: Mapping[str, Role] = field(default_factory=dict)
     """Nonlocomotive limbs and what they do."""
+    loads: tuple[Load, ...] = ()
+    """What the robot carries all along."""
     joint_velocity_ends: Array | None = None
     """(2, n_J) clamped end velocities [rad/s]; None in a gait, whose spline is periodic"""
     base_velocity_ends: Array | None = None

@@ -113,6 +113,7 @@ class Segment:
             weights=_weights(trajectory, x),
             command=grid.command,
             roles=dict(self.roles),
+            loads=self.robot.loads,
             joint_velocity_ends=speeds,
             base_velocity_ends=base_speeds,
             report=SolveReport(

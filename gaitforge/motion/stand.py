@@ -39,7 +39,7 @@ def plan_stop(
 
 
 def _plan(robot: RobotModel, gait: MotionPlan, name: str, options: MotionOptions, starting: bool) -> MotionPlan:
-    seconds = options.stand_seconds
+    robot, seconds = robot.carrying(*gait.loads), options.stand_seconds
     moving = gait_state(robot, gait)
     heading = np.array([np.cos(gait.command.heading), np.sin(gait.command.heading)])
     away = 0.5 * gait.command.speed * seconds * heading * (-1.0 if starting else 1.0)

@@ -41,9 +41,11 @@ def plan_transition(
     Joint positions and velocities are continuous at both ends by construction (the spline is clamped
     to the gaits' end velocities); the body covers at least `options.progress_share` of the mean
     commanded travel.  `pattern`: the transition's C (synthesised when None), `column_s` [s] its time
-    per column.  `method="interpolate"` is equation (3) of the paper, without any optimisation.
+    per column.  `method="interpolate"` is equation (3) of the paper, without any optimisation.  The robot
+    carries what it carries in gait `before`.
     Raises `UnsolvedError` when the optimiser finds no plan.
     """
+    robot = robot.carrying(*before.loads)
     if method == "interpolate":
         return interpolate(robot, before, after, name)
     options = options or MotionOptions()

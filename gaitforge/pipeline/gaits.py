@@ -50,6 +50,7 @@ def plan_phase(
     optimiser in batches; of the first batch in which any has a plan, the cheapest is taken.
     Raises `InfeasibleFootfall` or `InfeasibleMotion` with a proof, `UnsolvedError` when every candidate failed.
     """
+    robot = robot.carrying(*phase.loads)  # footholds and body are placed for what is carried, too
     roles = nonlocomotive(robot, phase, scene)
     workers = workers or Workers()
     attempts: list[Attempt] = []

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Role
 from gaitforge.task.scene import Scene
 
@@ -34,6 +35,8 @@ class Phase:
     """[s] of one cycle"""
     columns: int | None = None
     """m of the cyclic pattern"""
+    loads: tuple[Load, ...] = ()
+    """What the robot carries all through the phase."""
 
 
 @dataclass(frozen=True)

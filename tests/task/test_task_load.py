@@ -117,3 +117,18 @@ def test_a_held_posture_has_a_position_for_every_joint(dodecapod: RobotModel) ->
     held = {"role": "held", "posture": [0.1, 0.2]}
     found = problems({"phases": [{"name": "a", "roles": {"R1": held}}]}, dodecapod)
     assert found == [("phases.0.roles.R1.posture", "2 values")]
+
+
+def test_a_phase_says_what_is_carried(dodecapod: RobotModel) -> None:
+    box = {"mass": 0.5, "point": [0.3, 0.0, 0.1]}
+    data = {"loads": [box], "phases": [{"name": "a"}, {"name": "b", "loads": [{**box, "frame": "gripper_L1"}]}]}
+    one, other = load_task(data, "t", robot=dodecapod).phases
+    assert (one.loads[0].mass, one.loads[0].frame) == (0.5, "body")
+    assert (other.loads[0].point, other.loads[0].frame) == ((0.3, 0.0, 0.1), "gripper_L1")
+
+
+def test_a_wrong_load_is_refused(dodecapod: RobotModel) -> None:
+    loads = [{"mass": 0.0, "point": [0, 0]}, {"mass": 1.0, "point": [0, 0, 0], "frame": "L9", "weight": 3}]
+    found = problems({"phases": [{"name": "a", "loads": loads}]}, dodecapod)
+    keys = ("0.mass", "0.point", "1.weight", "1.frame")
+    assert [key for key, _ in found] == [f"phases.0.loads.{key}" for key in keys]
