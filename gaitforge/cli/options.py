@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from omegaconf import DictConfig
@@ -15,13 +15,15 @@ def options(node: DictConfig, allow: Sequence[str]) -> Options:
     """Build simulator, limits, motion, footfall and record options; `InputError` for the first that is wrong."""
     from gaitforge.motion.options import MotionOptions
     from gaitforge.record.recorder import McapRecorder
+    from gaitforge.verify.both import Both
     from gaitforge.verify.simulator import Simulator
 
     whole = plain(node)
+    simulators: tuple[Callable[..., Simulator | Both], ...] = (Simulator, Both)
     motion = dict(whole["motion"])
     transition = motion.pop("transition")
     return Options(
-        simulator=build(whole["verify"], Simulator, key="verify", allow=allow),
+        simulator=build(whole["verify"], simulators, key="verify", allow=allow),
         recorder=build(whole["record"], McapRecorder, key="record", allow=allow),
         motion=build(motion, MotionOptions, key="motion", allow=allow),
         transition=transition["method"],

@@ -11,7 +11,6 @@ from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
 from gaitforge.verify.execution import GRAVITY
 
 
-
 @dataclass(frozen=True)
 class JointTracking(SegmentCheck):
     """Root mean square of the joint errors over all joints and judged times."""

@@ -12,9 +12,12 @@ from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import quaternions
 from gaitforge.task.scene import Scene, SceneObject
 from gaitforge.verify.execution import GRAVITY
+from gaitforge.verify.mujoco.meshes import hand_over_meshes
 from gaitforge.verify.mujoco.settings import Physics
 from gaitforge.verify.scene import boxes_of
 
+IMPEDANCE = (0.5, 0.95)
+"""Of a contact at no penetration and at its full depth; MuJoCo's 0.9 to begin with makes feet that slide hop."""
 MASS_TOLERANCE = 1e-9
 """Relative"""
 
@@ -39,6 +42,7 @@ def build_model(mj: Any, robot: RobotModel, scene: Scene, physics: Physics) -> t
     """
     try:
         spec = mj.MjSpec.from_string(robot.urdf)
+        hand_over_meshes(spec)
         robot_bodies = _free_robot(mj, spec, robot, physics)
         objects = [_add_object(mj, spec, item) for item in scene.objects]
         spec.worldbody.add_geom(type=mj.mjtGeom.mjGEOM_PLANE, size=[0.0, 0.0, 1.0])
@@ -106,6 +110,7 @@ def _set_physics(mj: Any, spec: Any, physics: Physics) -> None:
         geom.condim = 4 if physics.torsional_friction > 0.0 else 3
         geom.friction = [physics.friction, physics.torsional_friction, 0.0]
         geom.solref = [physics.contact_time, 1.0]
+        geom.solimp = [*IMPEDANCE, physics.contact_depth, 0.5, 2.0]
 
 
 def _check(model: Any, robot: RobotModel, parts: Parts) -> None:

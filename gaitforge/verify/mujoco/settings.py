@@ -23,5 +23,7 @@ class Physics:
     """[m] torque about the normal of a contact per newton of normal force; 0 = none"""
     contact_time: float
     """[s] in which a contact's penetration decays (solref)"""
+    contact_depth: float
+    """[m] penetration over which a contact grows to its full stiffness (solimp)"""
     impedance_ratio: float
     """[-] stiffness of friction over that of the normal direction"""

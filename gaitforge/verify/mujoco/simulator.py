@@ -13,6 +13,7 @@ from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene
 from gaitforge.verify.assemble import assemble_trace
 from gaitforge.verify.execution import planned_rows, planned_speeds, spawn_pose, tell
+from gaitforge.verify.mujoco.quiet import complaint, quiet
 from gaitforge.verify.mujoco.recorder import Recorder
 from gaitforge.verify.mujoco.settings import Physics
 from gaitforge.verify.mujoco.world import World, build_world
@@ -50,6 +51,8 @@ class MujocoSimulator:
     """[m] torque about the normal of a contact per newton of normal force; 0 = none"""
     contact_time: float = 0.004
     """[s] in which the penetration of a contact decays"""
+    contact_depth: float = 0.0003
+    """[m] penetration over which a contact grows to its full stiffness"""
     impedance_ratio: float = 100.0
     """[-] stiffness of friction over that of the normal direction: the larger, the less stance feet creep"""
     settle_s: float = 0.5
@@ -57,7 +60,15 @@ class MujocoSimulator:
     name: str = "mujoco"
 
     def __post_init__(self) -> None:
-        positive = ("rate_hz", "iterations", "full_effort_error", "servo_rate", "contact_time", "impedance_ratio")
+        positive = (
+            "rate_hz",
+            "iterations",
+            "full_effort_error",
+            "servo_rate",
+            "contact_time",
+            "contact_depth",
+            "impedance_ratio",
+        )
         other = ("velocity_feedforward", "friction", "torsional_friction", "settle_s")
         values = {key: getattr(self, key) for key in (*positive, *other)}
         bad = [Problem("verify", k, repr(values[k]), "a number above 0") for k in positive if not values[k] > 0]
@@ -71,13 +82,15 @@ class MujocoSimulator:
     def run(self, robot: RobotModel, timeline: Timeline, scene: Scene, progress: Progress | None = None) -> Trace:
         """Execute the timeline; SimulationError when MuJoCo refuses the robot or its numbers run away."""
         plan = planned_rows(timeline, self.rate_hz)
-        world = build_world(robot, scene, self._physics())
-        self._settle(world, robot, plan)
-        recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
-        self._walk(world, robot, plan, recorder, sight, progress)
+        with quiet():
+            world = build_world(robot, scene, self.physics())
+            self._settle(world, robot, plan)
+            recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
+            self._walk(world, robot, plan, recorder, sight, progress)
         return assemble_trace(recorder.recording(plan.times, sight.free), plan, robot, timeline, scene)
 
-    def _physics(self) -> Physics:
+    def physics(self) -> Physics:
+        """What a model is built with."""
         return Physics(
             timestep=1.0 / self.rate_hz,
             iterations=int(self.iterations),
@@ -86,6 +99,7 @@ class MujocoSimulator:
             friction=self.friction,
             torsional_friction=self.torsional_friction,
             contact_time=self.contact_time,
+            contact_depth=self.contact_depth,
             impedance_ratio=self.impedance_ratio,
         )
 
@@ -117,8 +131,8 @@ class MujocoSimulator:
             mj.mj_step2(model, data)
             recorder.step(row)
             recorder.state(row + 1)
-            if not np.isfinite(data.qacc).all():
-                raise SimulationError(f"{robot.name}: MuJoCo's numbers ran away at {plan.times[row]:.3f} s")
+            if data.warning.number.any():
+                raise SimulationError(f"{robot.name}: MuJoCo, at {plan.times[row]:.3f} s: {complaint(mj, data)}")
             tell(progress, row + 1, rows)
 
     def _command(self, world: World, robot: RobotModel, positions: Array, speeds: Array) -> None:

@@ -17,6 +17,8 @@ from gaitforge.verify.sight import OTHER
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
+LEAVE = 1e-9
+"""Share of a ray by which it goes on behind the surface of a shape that it left."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ class World:
         self.mj.mj_forward(self.model, self.data)
 
     def base_states(self, qpos: Array, qvel: Array) -> tuple[Array, Array]:
-        """(n, 6) poses and (n, 6) twists of base_link; a free joint's rates are linear in world, angular in own axes."""
+        """(n, 6) poses and twists of base_link; a free joint's rates are linear in world and angular in own axes."""
         R = matrices_of_quaternions(qpos[:, [4, 5, 6, 3]])
         angular = np.einsum("nij,nj->ni", R, qvel[:, 3:6])
         return poses_of(qpos[:, :3], R), np.concatenate([qvel[:, :3], angular], axis=1)
@@ -61,11 +63,16 @@ class World:
         return np.array(self.data.xmat[body]).reshape(3, 3), np.array(self.data.xpos[body])
 
     def first_hit(self, start: Array, end: Array) -> int | None:
-        """See `gaitforge.verify.sight.World`."""
-        geom, way = np.full((1, 1), -1, dtype=np.int32), end - start
-        share = self.mj.mj_ray(self.model, self.data, start, way, None, True, -1, geom)
-        if share < 0.0 or share > 1.0:
-            return None
+        """See `gaitforge.verify.sight.World`.  A shape that the ray starts in is not met: it is left first."""
+        geom, normal = np.full((1, 1), -1, dtype=np.int32), np.zeros((3, 1))
+        while True:
+            way = end - start
+            share = self.mj.mj_ray(self.model, self.data, start, way, None, True, -1, geom, normal)
+            if share < 0.0 or share > 1.0:
+                return None
+            if float(way @ normal[:, 0]) < 0.0:
+                break
+            start = start + (share + LEAVE) * way
         owner = int(self.owner[geom[0, 0]])
         return owner - len(self.links) if owner >= len(self.links) else OTHER
 

@@ -103,7 +103,8 @@ def build_world(p: Any, client: int, robot: RobotModel, scene: Scene, friction: 
     body = _load_robot(p, client, robot)
     count = p.getNumJoints(body, physicsClientId=client)
     if count > MAX_JOINTS:
-        raise SimulationError(f"{robot.name}: PyBullet answers for at most {MAX_JOINTS} joints, found {count}")
+        known = f"PyBullet answers for at most {MAX_JOINTS} joints, found {count}"
+        raise SimulationError(f"{robot.name}: {known}; verify=mujoco takes it")
     infos = [p.getJointInfo(body, i, physicsClientId=client) for i in range(count)]
     links = (p.getBodyInfo(body, physicsClientId=client)[0].decode(), *(info[12].decode() for info in infos))
     index = {info[1].decode(): i for i, info in enumerate(infos)}
