@@ -31,13 +31,13 @@ class Kernel:
         import casadi as ca
 
         self._v, self._p = ca.SX.sym("v", variables), ca.SX.sym("p", parameters)
-        self._r = ca.densify(build(self._v, self._p))
+        self._r: Any = ca.densify(build(self._v, self._p))
         self.sizes = (variables, parameters, int(self._r.shape[0]))
         """(variables, parameters, rows)"""
         self._multiplier = ca.SX.sym("m", self.sizes[2])
         if derive is None:
-            jacobian = ca.jacobian(self._r, self._v)
-            hessian = ca.triu(ca.hessian(ca.dot(self._multiplier, self._r), self._v)[0])
+            jacobian: Any = ca.jacobian(self._r, self._v)
+            hessian: Any = ca.triu(ca.hessian(ca.dot(self._multiplier, self._r), self._v)[0])
         else:
             first, second = derive(self._v, self._p, self._multiplier)
             jacobian, hessian = ca.sparsify(first), ca.sparsify(second)

@@ -7,6 +7,7 @@ one and turning needs no special case; a transition or a stand is written in the
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,32 +54,32 @@ class Discretisation:
     start: Boundary | None = None
     end: Boundary | None = None
 
-    @property
+    @cached_property
     def cyclic(self) -> bool:
         """A gait: the last sample is the first."""
         return self.pattern.cyclic
 
-    @property
+    @cached_property
     def intervals(self) -> int:
         """N"""
         return self.pattern.columns * self.samples_per_column
 
-    @property
+    @cached_property
     def samples(self) -> int:
         """K: unknown samples, N in a gait and N + 1 elsewhere."""
         return self.intervals if self.cyclic else self.intervals + 1
 
-    @property
+    @cached_property
     def dt(self) -> float:
         """[s]"""
         return self.duration / self.intervals
 
-    @property
+    @cached_property
     def contact(self) -> Bools:
         """(N, n_F) contact held over each interval."""
         return np.repeat(self.pattern.contact.T, self.samples_per_column, axis=0)
 
-    @property
+    @cached_property
     def ground(self) -> Bools:
         """(K, n_F) on the ground at each sample: in stance in the interval before or after it."""
         held = self.contact
@@ -92,7 +93,7 @@ class Discretisation:
                 ground[at] |= end.ground
         return ground
 
-    @property
+    @cached_property
     def step(self) -> Array:
         """(3,) x, y [m], yaw [rad]: motion of the commanded frame over one interval (zero outside gaits)."""
         if not self.cyclic:
@@ -114,21 +115,29 @@ class Discretisation:
             return np.array([2.0, -2.0, 0.0]) / h**2, 0.0, 2.0 / h
         return np.array([1.0, -2.0, 1.0]) / h**2, 0.0, 0.0
 
+    def accelerations(self, start: Array, end: Array) -> tuple[Array, Array]:
+        """(K, 3) coefficients of the samples before, at and after each, (K, n) what velocities at open ends add."""
+        coefficients = np.tile(np.array([1.0, -2.0, 1.0]) / self.dt**2, (self.samples, 1))
+        added = np.zeros((self.samples, len(start)))
+        for k in () if self.cyclic else (0, self.samples - 1):
+            coefficients[k] = self.acceleration(k)[0]
+            added[k] = self.end_velocity_terms(k, start, end)
+        return coefficients, added
+
     def end_velocity_terms(self, k: int, start: Array, end: Array) -> Array:
         """What the velocities at open ends contribute to the acceleration at sample k."""
         _, from_start, from_end = self.acceleration(k)
         return from_start * start + from_end * end
 
+    @cached_property
     def from_ground(self) -> NDArray[np.float64]:
         """(K, n_F) number of samples to the nearest ground sample (inf when there is none)."""
-        ground, count = self.ground, self.samples
-        distance = np.full(ground.shape, np.inf)
-        order = np.arange(count)
-        for i in range(ground.shape[1]):
-            for g in np.flatnonzero(ground[:, i]):
-                gap = np.abs(order - g)
-                distance[:, i] = np.minimum(distance[:, i], np.minimum(gap, count - gap) if self.cyclic else gap)
-        return distance
+        order = np.arange(self.samples)
+        gap = np.abs(order[:, None] - order)
+        if self.cyclic:
+            gap = np.minimum(gap, self.samples - gap)
+        away = np.where(self.ground.T[:, None, :], gap, np.inf)  # (n_F, K, ground sample)
+        return np.asarray(away.min(axis=2).T)
 
 
 def smooth_step(share: Array | float) -> Array:
@@ -248,7 +257,7 @@ def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height
     """Sphere centre at its radius on the ground, at least the step height away from it; ends are free."""
     radius = robot.limbs[limb].foot.radius
     low, high = np.full((grid.samples, 3), -np.inf), np.full((grid.samples, 3), np.inf)
-    away = np.minimum(1.0, grid.from_ground()[:, limb] / grid.samples_per_column)
+    away = np.minimum(1.0, grid.from_ground[:, limb] / grid.samples_per_column)
     low[:, 2] = radius + step_height * smooth_step(away)
     ground = grid.ground[:, limb]
     high[ground, 2] = low[ground, 2] = radius

@@ -43,6 +43,8 @@ class Evaluation:
         self._jacobian_raw = self._derivatives[hessians:]
         count = len(structure.free)
         self.jacobian = sparse.csr_matrix((np.zeros(len(where)), indices, indptr), shape=(structure.row_count, count))
+        self.transposed = self.jacobian.T
+        """Jᵀ, on the same numbers"""
         self.kkt = np.zeros(len(structure.pattern[0]))
         """Nonzeros of K without Σ, δ and D"""
         self.cost = 0.0

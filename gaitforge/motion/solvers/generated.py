@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from gaitforge.motion.solvers.native import compiled
 
 Array = NDArray[np.float64]
-LARGE = 500
-"""Instructions from which on compiled code is worth its compilation"""
+LARGE = 20_000
+"""Instructions over all places from which on compiled code is worth its compilation"""
 
 DRIVER = """
 void over_places(long places, const long *in, const long *out, const double **from, double **to, double *w)
@@ -32,11 +32,11 @@ void over_places(long places, const long *in, const long *out, const double **fr
 def compiled_map(function: Any, inputs: tuple[Array, ...], outputs: tuple[Array, ...]) -> Callable[[], None] | None:
     """A call without arguments that runs `function` at every place, (places, …) arrays in and flat ones out.
 
-    None for small functions, and where nothing can be compiled.
+    None where there is little to compute, and where nothing can be compiled.
     """
-    if function.n_instructions() < LARGE:
+    if function.n_instructions() * len(inputs[0]) < LARGE:
         return None
-    library = compiled(function.name(), _source(function))
+    library = compiled(function.name(), _source(function), "-O1")
     if library is None:
         return None
     places = len(inputs[0])

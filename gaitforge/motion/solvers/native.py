@@ -12,7 +12,7 @@ from functools import cache
 from hashlib import blake2b
 from pathlib import Path
 
-FLAGS = ("-O2", "-ftree-vectorize", "-fno-math-errno", "-shared", "-fPIC")
+SHARED = ("-fno-math-errno", "-shared", "-fPIC")
 SECONDS = 60.0
 """[s] that a compiler may take"""
 
@@ -20,16 +20,16 @@ SECONDS = 60.0
 @cache
 def library(name: str) -> ctypes.CDLL | None:
     """The compiled library of a C file beside this one; None where it cannot be made."""
-    return compiled(Path(name).stem, Path(__file__).with_name(name).read_text(encoding="utf-8"))
+    return compiled(Path(name).stem, Path(__file__).with_name(name).read_text(encoding="utf-8"), "-O3")
 
 
-def compiled(stem: str, source: str) -> ctypes.CDLL | None:
-    """The library of some C code; None where it cannot be made.
+def compiled(stem: str, source: str, optimise: str) -> ctypes.CDLL | None:
+    """The library of some C code, compiled with `optimise` (-O1, -O3, …); None where it cannot be made.
 
     It is kept in the user's cache folder under a digest of source, flags and processor, and put there by
     renaming, so that many processes may do so at once.
     """
-    flags = (*FLAGS, *_processor_flags())
+    flags = (optimise, *SHARED, *_processor_flags())
     key = blake2b(repr((source, flags, _processor())).encode(), digest_size=12).hexdigest()
     made = cache_folder() / f"{stem}-{key}.so"
     try:
