@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,6 +48,8 @@ def build_model(mj: Any, robot: RobotModel, scene: Scene, physics: Physics) -> t
         objects = [_add_object(mj, spec, item) for item in scene.objects]
         spec.worldbody.add_geom(type=mj.mjtGeom.mjGEOM_PLANE, size=[0.0, 0.0, 1.0])
         _set_physics(mj, spec, physics)
+        for body in (body for body, item in zip(objects, scene.objects, strict=True) if item.movable):
+            _set_contacts(body.geoms, physics, physics.torsional_friction)
         model = spec.compile()
     except ValueError as error:
         reason = " ".join(str(error).split())
@@ -106,9 +109,14 @@ def _set_physics(mj: Any, spec: Any, physics: Physics) -> None:
     option.integrator = mj.mjtIntegrator.mjINT_EULER
     option.cone, option.impratio = mj.mjtCone.mjCONE_ELLIPTIC, physics.impedance_ratio
     option.disableflags |= mj.mjtDisableBit.mjDSBL_AUTORESET
-    for geom in spec.geoms:
-        geom.condim = 4 if physics.torsional_friction > 0.0 else 3
-        geom.friction = [physics.friction, physics.torsional_friction, 0.0]
+    _set_contacts(spec.geoms, physics, torsion=0.0)
+
+
+def _set_contacts(geoms: Iterable[Any], physics: Physics, torsion: float) -> None:
+    """Friction and compliance; of the two shapes of a pair the larger coefficients count."""
+    for geom in geoms:
+        geom.condim = 4 if torsion > 0.0 else 3
+        geom.friction = [physics.friction, torsion, 0.0]
         geom.solref = [physics.contact_time, 1.0]
         geom.solimp = [*IMPEDANCE, physics.contact_depth, 0.5, 2.0]
 

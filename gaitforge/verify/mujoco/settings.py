@@ -20,7 +20,7 @@ class Physics:
     friction: float
     """[-] coefficient of every pair"""
     torsional_friction: float
-    """[m] torque about the normal of a contact per newton of normal force; 0 = none"""
+    """[m] torque about the normal of a contact with a movable object, per newton of normal force; 0 = none"""
     contact_time: float
     """[s] in which a contact's penetration decays (solref)"""
     contact_depth: float

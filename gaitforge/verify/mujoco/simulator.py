@@ -47,8 +47,8 @@ class MujocoSimulator:
     """[-] share of the planned joint speed that is commanded ahead"""
     friction: float = 1.0
     """[-] coefficient of every pair: a true cone"""
-    torsional_friction: float = 0.0
-    """[m] torque about the normal of a contact per newton of normal force; 0 = none"""
+    torsional_friction: float = 0.01
+    """[m] torque about the normal of a contact with a movable object, per newton of normal force; 0 = none"""
     contact_time: float = 0.004
     """[s] in which the penetration of a contact decays"""
     contact_depth: float = 0.0003
@@ -108,7 +108,7 @@ class MujocoSimulator:
         world.place_robot(spawn_pose(robot, plan), plan.joint_positions[0])
         still = np.zeros(len(robot.joint_names))
         for _ in range(round(self.settle_s * self.rate_hz)):
-            self._command(world, robot, plan.joint_positions[0], still)
+            self._command(world, robot, plan.joint_positions[0], still, plan.efforts[0])
             world.mj.mj_step(world.model, world.data)
 
     def _walk(
@@ -127,7 +127,7 @@ class MujocoSimulator:
         for row in range(rows):
             mj.mj_step1(model, data)
             sight.look(row)
-            self._command(world, robot, plan.joint_positions[row], speeds[row])
+            self._command(world, robot, plan.joint_positions[row], speeds[row], plan.efforts[row])
             mj.mj_step2(model, data)
             recorder.step(row)
             recorder.state(row + 1)
@@ -135,8 +135,9 @@ class MujocoSimulator:
                 raise SimulationError(f"{robot.name}: MuJoCo, at {plan.times[row]:.3f} s: {complaint(mj, data)}")
             tell(progress, row + 1, rows)
 
-    def _command(self, world: World, robot: RobotModel, positions: Array, speeds: Array) -> None:
+    def _command(self, world: World, robot: RobotModel, positions: Array, speeds: Array, efforts: Array) -> None:
         """A servo takes a position; the one that asks for the wanted speed is put there."""
         q = world.data.qpos[world.positions]
         wanted = np.clip(self.servo_rate * (positions - q) + speeds, -robot.velocity, robot.velocity)
         world.data.ctrl[:] = q + wanted / self.servo_rate
+        world.model.actuator_forcerange[:, 0], world.model.actuator_forcerange[:, 1] = -efforts, efforts
