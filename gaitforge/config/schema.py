@@ -66,7 +66,12 @@ class PhaseConf:
     speed: float | None = None
     heading: float | None = None
     yaw_rate: float | None = None
-    duration: float | None = None
+    body_height: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    step_height: float | None = None
+    posture: Any = None
+    duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
 
@@ -82,7 +87,12 @@ class TaskConf:
     speed: float | None = None
     heading: float | None = None
     yaw_rate: float | None = None
-    duration: float | None = None
+    body_height: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    step_height: float | None = None
+    posture: Any = None
+    duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
 
