@@ -191,8 +191,8 @@ def placed_pattern(
 
     δ of g11 is the largest of its margins that holds; a smaller one than asked for stands in `relaxed`.
     `info` gets delta_m, support_margin_m, body_shift_m, footholds_m, center_of_mass_m and posture_rad (limb →
-    joints) or, where the body sways, sway_m.  Raises InfeasibleFootfall (of g1–g10 where these clash already, else naming g11) and
-    UnsolvedError.
+    joints) or, where the body sways, sway_m.  Raises InfeasibleFootfall (of g1–g10 where these clash already,
+    else naming g11) and UnsolvedError.
     """
     ready = prepared(robot, problem, families, options)
     if ready.placement is not None or ready.asked is None:
