@@ -18,8 +18,10 @@ from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Kind, MotionPlan, SolveReport
 from gaitforge.motion.problem import Problem
+from gaitforge.motion.resample import guess_like
 from gaitforge.motion.solvers.solution import Solution
 from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, lay_out, planar_motion
+from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Role
 
@@ -40,9 +42,17 @@ class Segment:
     """The starting point on a given grid."""
     roles: Mapping[str, Role]
 
-    def on_grid(self, samples_per_column: int) -> Segment:
-        """The same segment with more (or fewer) samples a column."""
-        return replace(self, grid=replace(self.grid, samples_per_column=samples_per_column))
+    def on_grid(self, samples_per_column: int, plan: MotionPlan) -> Segment:
+        """The same segment with more (or fewer) samples a column, begun from a plan on the grid before."""
+        return replace(self.like(plan), grid=replace(self.grid, samples_per_column=samples_per_column))
+
+    def like(self, plan: MotionPlan) -> Segment:
+        """The same segment, looked for near a plan that is much like it."""
+
+        def near(grid: Discretisation) -> Guess:
+            return guess_like(self.robot, plan, grid, self.make_guess(grid), self.moving)
+
+        return replace(self, make_guess=near)
 
     def build(self, options: MotionOptions, extra: Sequence[Family] = ()) -> tuple[Problem, Trajectory]:
         """The motion problem with all families, those of the options and `extra` ones last."""
@@ -95,9 +105,6 @@ class Segment:
         base = x[trajectory.base]
         if grid.cyclic:
             joints, base = np.vstack([joints, joints[:1]]), self._in_world(np.vstack([base, base[:1]]))
-        poses = zip(base, joints, strict=True)
-        feet = np.array([self.robot.foot_positions(b, q) for b, q in poses])
-        com = np.array([self.robot.center_of_mass(b, q) for b, q in zip(base, joints, strict=True)])
         ends = (grid.start, grid.end)
         speeds = None if grid.cyclic else np.array([e.joint_velocity for e in ends if e is not None])
         base_speeds = None if grid.cyclic else np.array([e.base_velocity for e in ends if e is not None])
@@ -108,8 +115,8 @@ class Segment:
             times=np.asarray(np.arange(grid.intervals + 1) * grid.dt, dtype=float),
             joint_positions=joints.T.copy(),
             base_poses=base,
-            com=com,
-            feet=feet,
+            com=self.robot.center_of_mass(base, joints),
+            feet=feet_in_world(self.robot, base, joints),
             weights=_weights(trajectory, x),
             command=grid.command,
             roles=dict(self.roles),

@@ -20,6 +20,8 @@ from gaitforge.robot.model import RobotModel
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Index = NDArray[np.intp]
+TAKE_OFF = 0.1
+"""How much higher than asked for a foot may be one interval from the ground, as a part of the step height"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,6 +185,13 @@ class Guess:
     """(K, n_J)"""
     feet: Array
     """(K, n_F, 3)"""
+    about: Array | None = None
+    """(K, 6) base poses that the bounds of height and yaw are about; None: those of the guess"""
+
+    @property
+    def centre(self) -> Array:
+        """(K, 6) the middle of the base's bounds."""
+        return self.base if self.about is None else self.about
 
 
 def lay_out(
@@ -232,9 +241,9 @@ def _lumped(
 
 def _base_bounds(grid: Discretisation, guess: Guess, tilt: float, height_range: float) -> tuple[Array, Array]:
     low, high = np.full(guess.base.shape, -np.inf), np.full(guess.base.shape, np.inf)
-    low[:, 2], high[:, 2] = guess.base[:, 2] - height_range, guess.base[:, 2] + height_range
+    low[:, 2], high[:, 2] = guess.centre[:, 2] - height_range, guess.centre[:, 2] + height_range
     low[:, 3:5], high[:, 3:5] = -tilt, tilt
-    low[:, 5], high[:, 5] = guess.base[:, 5] - 0.5, guess.base[:, 5] + 0.5
+    low[:, 5], high[:, 5] = guess.centre[:, 5] - 0.5, guess.centre[:, 5] + 0.5
     if grid.cyclic:
         low[0, :2] = high[0, :2] = guess.base[0, :2]  # the gauge: where the gait begins does not matter
     if grid.start is not None and not grid.start.rest:
@@ -245,17 +254,41 @@ def _base_bounds(grid: Discretisation, guess: Guess, tilt: float, height_range: 
 
 
 def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height: float) -> tuple[Array, Array]:
-    """Sphere centre at its radius on the ground, at least the step height away from it; ends are free."""
+    """Sphere centre at its radius on the ground, at least the step height away from it; ends are free.
+
+    Where there is time a foot leaves and meets the ground slowly: a spline that has to climb half a step in its
+    first interval dips in the one before, where the foot stands.
+    """
     radius = robot.limbs[limb].foot.radius
     low, high = np.full((grid.samples, 3), -np.inf), np.full((grid.samples, 3), np.inf)
-    away = np.minimum(1.0, grid.from_ground()[:, limb] / grid.samples_per_column)
-    low[:, 2] = radius + step_height * smooth_step(away)
-    ground = grid.ground[:, limb]
+    ground, away = grid.ground[:, limb], grid.from_ground()[:, limb]
+    ramp = _ramp(grid, ground)
+    low[:, 2] = radius + step_height * smooth_step(np.minimum(1.0, away / ramp))
+    gentle = (away == 1) & (ramp > grid.samples_per_column)
+    high[gentle, 2] = low[gentle, 2] + TAKE_OFF * step_height
     high[ground, 2] = low[ground, 2] = radius
     for at, end in ((0, grid.start), (-1, grid.end)):
         if end is not None and not end.rest:
             low[at], high[at] = -np.inf, np.inf
     return low, high
+
+
+def _ramp(grid: Discretisation, ground: NDArray[np.bool_]) -> Array:
+    """(K,) intervals in which a foot reaches its step height: two columns where the swing is long enough for that."""
+    ramp = np.full(grid.samples, float(grid.samples_per_column))
+    for lift, land in swings(ground, grid.cyclic):
+        gentle = min(2.0 * grid.samples_per_column, 0.5 * (land - lift))
+        ramp[np.arange(lift, land + 1) % grid.samples] = max(grid.samples_per_column, gentle)
+    return ramp
+
+
+def swings(ground: NDArray[np.bool_], cyclic: bool) -> list[tuple[int, int]]:
+    """(last ground sample, first ground sample after it) of every swing that has both; the latter may exceed K."""
+    stands = np.flatnonzero(ground)
+    if not len(stands):
+        return []
+    following = np.append(stands[1:], stands[0] + len(ground)) if cyclic else stands[1:]
+    return [(int(a), int(b)) for a, b in zip(stands, following, strict=False) if b - a > 1]
 
 
 def _add_weights(

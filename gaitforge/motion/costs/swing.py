@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.family import Family, carried, carried_back
 from gaitforge.motion.problem import Kernel, Problem, kernel
-from gaitforge.motion.trajectory import Trajectory, planar_motion, smooth_step
+from gaitforge.motion.trajectory import Trajectory, planar_motion, smooth_step, swings
 
 
 @dataclass(frozen=True)
@@ -59,15 +59,6 @@ class SwingProfile(Family):
         """Motion of the commanded frame over some intervals (none outside gaits)."""
         grid = trajectory.grid
         return planar_motion(grid.command, intervals * grid.dt) if grid.cyclic else np.zeros(3)
-
-
-def swings(ground: NDArray[np.bool_], cyclic: bool) -> list[tuple[int, int]]:
-    """(last ground sample, first ground sample after it) of every swing that has both; the latter may exceed K."""
-    stands = np.flatnonzero(ground)
-    if not len(stands):
-        return []
-    following = np.append(stands[1:], stands[0] + len(ground)) if cyclic else stands[1:]
-    return [(int(a), int(b)) for a, b in zip(stands, following, strict=False) if b - a > 1]
 
 
 def swing_share(ground: NDArray[np.bool_], cyclic: bool) -> NDArray[np.float64]:
