@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,19 +23,49 @@ Index = NDArray[np.intp]
 Builder = Callable[[Any, Any], Any]
 
 
-@dataclass(frozen=True)
 class Kernel:
     """A small function r(v, p) with its Jacobian's nonzeros and the Hessian's of λ·r, ready to map."""
 
-    value: Any
-    first: Any
-    """(v, p) → r and the nonzeros of ∂r/∂v"""
-    second: Any
-    """(v, p, λ) → the nonzeros of the upper triangle of ∇² λ·r"""
-    jacobian_rc: tuple[Index, Index]
-    hessian_rc: tuple[Index, Index]
-    sizes: tuple[int, int, int]
-    """(variables, parameters, rows)"""
+    def __init__(self, variables: int, parameters: int, build: Builder) -> None:
+        import casadi as ca
+
+        self._v, self._p = ca.SX.sym("v", variables), ca.SX.sym("p", parameters)
+        self._r = ca.densify(build(self._v, self._p))
+        self.sizes = (variables, parameters, int(self._r.shape[0]))
+        """(variables, parameters, rows)"""
+        self._multiplier = ca.SX.sym("m", self.sizes[2])
+        jacobian = ca.jacobian(self._r, self._v)
+        hessian = ca.triu(ca.hessian(ca.dot(self._multiplier, self._r), self._v)[0])
+        self._jacobian, self._hessian = _nonzeros(jacobian), _nonzeros(hessian)
+        self.jacobian_rc: tuple[Index, Index] = _triplets(jacobian)
+        self.hessian_rc: tuple[Index, Index] = _triplets(hessian)
+
+    @cached_property
+    def value(self) -> Any:
+        """(v, p) → r"""
+        return self._function("value", [self._v, self._p], [self._r])
+
+    @cached_property
+    def first(self) -> Any:
+        """(v, p) → r and the nonzeros of ∂r/∂v"""
+        return self._function("first", [self._v, self._p], [self._r, self._jacobian])
+
+    @cached_property
+    def second(self) -> Any:
+        """(v, p, λ) → the nonzeros of the upper triangle of ∇² λ·r"""
+        return self._function("second", [self._v, self._p, self._multiplier], [self._hessian])
+
+    @cached_property
+    def whole(self) -> Any:
+        """(v, p, λ) → r, the nonzeros of ∂r/∂v and those of the upper triangle of ∇² λ·r"""
+        inputs = [self._v, self._p, self._multiplier]
+        return self._function("whole", inputs, [self._r, self._jacobian, self._hessian])
+
+    @staticmethod
+    def _function(name: str, inputs: list[Any], outputs: list[Any]) -> Any:
+        import casadi as ca
+
+        return ca.Function(name, inputs, outputs)
 
 
 _kernels: dict[Any, Kernel] = {}
@@ -44,26 +75,8 @@ def kernel(key: Any, variables: int, parameters: int, build: Builder) -> Kernel:
     """Compile `build(v, p)` (CasADi SX column vectors in and out), once per key and process."""
     full = (key, variables, parameters)
     if full not in _kernels:
-        _kernels[full] = _compile(variables, parameters, build)
+        _kernels[full] = Kernel(variables, parameters, build)
     return _kernels[full]
-
-
-def _compile(variables: int, parameters: int, build: Builder) -> Kernel:
-    import casadi as ca
-
-    v, p = ca.SX.sym("v", variables), ca.SX.sym("p", parameters)
-    r = ca.densify(build(v, p))
-    jacobian = ca.jacobian(r, v)
-    multiplier = ca.SX.sym("m", r.shape[0])
-    hessian = ca.triu(ca.hessian(ca.dot(multiplier, r), v)[0])
-    return Kernel(
-        value=ca.Function("value", [v, p], [r]),
-        first=ca.Function("first", [v, p], [r, _nonzeros(jacobian)]),
-        second=ca.Function("second", [v, p, multiplier], [_nonzeros(hessian)]),
-        jacobian_rc=_triplets(jacobian),
-        hessian_rc=_triplets(hessian),
-        sizes=(variables, parameters, int(r.shape[0])),
-    )
 
 
 def _nonzeros(matrix: Any) -> Any:
@@ -181,9 +194,9 @@ class Problem:
                 np.add.at(values, term.rows, np.array(out).T)
         return values
 
-    def violations(self, x: Array) -> dict[str, tuple[float, Any, str]]:
-        """Per family: the largest violation, the label of its row, the unit."""
-        values = self.constraint_values(x)
+    def violations(self, x: Array, values: Array | None = None) -> dict[str, tuple[float, Any, str]]:
+        """Per family: the largest violation, the label of its row, the unit; `values`: the rows at x if known."""
+        values = self.constraint_values(x) if values is None else values
         worst: dict[str, tuple[float, Any, str]] = {}
         for block in self.rows:
             part = values[block.start : block.start + len(block.lower)]
