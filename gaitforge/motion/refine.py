@@ -40,15 +40,15 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
 
 def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     """Solve on the asked grid, then with what the dense check asks for."""
-    remedies, answered = Remedies(_role_changes(segment)), ()
-    start: NDArray[np.float64] | None = None
+    remedies, answered = Remedies(_role_changes(segment)), tuple[str, ...]()
+    start: Solution | None = None
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(remedies.applied(options), remedies.families, start)
-        remedies.record(answered, solution.rows, solution.iterations, plan.report.seconds)
+        remedies.record(answered, plan.report)
         if not solution.solved:
             raise _unsolved(segment, solution, turn)
         report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
-        missed, start = misses(segment, options, report), solution.x
+        missed, start = misses(segment, options, report), solution
         if not missed:
             return _reported(segment, plan, options, report, remedies)
         answered = tuple(m.family for m in missed)

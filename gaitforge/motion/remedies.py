@@ -14,6 +14,7 @@ from gaitforge.motion.constraints.joint_speed import JointSpeed
 from gaitforge.motion.dense import DenseReport
 from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.plan import SolveReport
 from gaitforge.motion.segment import Segment
 
 NEAR_M = 0.01
@@ -53,10 +54,11 @@ class Remedies:
         """The options with what has been tightened."""
         return replace(options, joint_margin=options.joint_margin + self.joint_margin)
 
-    def record(self, answered: Iterable[str], rows: int, iterations: int, seconds: float) -> None:
-        """Note one solve: which families it answers (none: the first), its rows, iterations and [s]."""
-        entry = {"for": sorted(set(answered)), "rows": rows, "iterations": iterations, "seconds": round(seconds, 5)}
-        self.log.append(entry)
+    def record(self, answered: Iterable[str], report: SolveReport) -> None:
+        """Note one solve, and which families it answers (none: the first)."""
+        size = {key: report.details[key] for key in ("rows", "variables")}
+        done = {"iterations": report.iterations, "seconds": round(report.seconds, 5)}
+        self.log.append({"for": sorted(set(answered)), **size, **done})
 
     def answer(self, segment: Segment, options: MotionOptions, report: DenseReport) -> None:
         """Add what helps against joint speeds, position limits and bodies that come too close."""
@@ -87,7 +89,9 @@ def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> lis
     fast = int(np.argmax(report.speed_ratio))
     if report.speed_ratio[fast] > options.speed_share:
         share, name = float(report.speed_ratio[fast]), robot.joint_names[fast]
-        found.append(Miss("joint_speed", _limb_of(segment, fast), share, "", f"{name} at {share:.2f} of its speed limit"))
+        found.append(
+            Miss("joint_speed", _limb_of(segment, fast), share, "", f"{name} at {share:.2f} of its speed limit")
+        )
     far = int(np.argmax(report.limit_excess))
     if report.limit_excess[far] > 0.0:
         excess, name = float(report.limit_excess[far]), robot.joint_names[far]

@@ -36,7 +36,7 @@ def guess_like(
 
 def _in_moving_frame(base: Array, plan: MotionPlan, share: Array) -> Array:
     """Base poses in the segment's frame, in the frame that moves with the command."""
-    moved = np.array([planar_motion(plan.command, s * plan.duration) for s in share])
+    moved = planar_motion(plan.command, share * plan.duration)
     c, s = np.cos(moved[:, 2]), np.sin(moved[:, 2])
     x, y = (base[:, :2] - moved[:, :2]).T
     out = base.copy()

@@ -19,7 +19,7 @@ from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Kind, MotionPlan, SolveReport
 from gaitforge.motion.problem import Problem
 from gaitforge.motion.resample import guess_like
-from gaitforge.motion.solvers.solution import Solution
+from gaitforge.motion.solvers.solution import Solution, Start
 from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, lay_out, planar_motion
 from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
@@ -89,15 +89,16 @@ class Segment:
         return problem, trajectory
 
     def solve(
-        self, options: MotionOptions, extra: Sequence[Family] = (), start: Array | None = None
+        self, options: MotionOptions, extra: Sequence[Family] = (), start: Start = None
     ) -> tuple[Solution, MotionPlan]:
         """Build and solve; the plan is returned whether solved or not, the solution says which."""
         begin = time.perf_counter()
         problem, trajectory = self.build(options, extra)
         solution = options.solver.solve(problem, start)
-        return solution, self._plan(trajectory, solution, time.perf_counter() - begin)
+        size = {"rows": problem.row_count, "variables": problem.size}
+        return solution, self._plan(trajectory, solution, time.perf_counter() - begin, size)
 
-    def _plan(self, trajectory: Trajectory, solution: Solution, seconds: float) -> MotionPlan:
+    def _plan(self, trajectory: Trajectory, solution: Solution, seconds: float, size: Mapping[str, int]) -> MotionPlan:
         grid, x = self.grid, solution.x
         joints = np.tile(self.fixed_joints, (grid.samples, 1))
         for i, index in trajectory.joints.items():
@@ -123,19 +124,16 @@ class Segment:
             loads=self.robot.loads,
             joint_velocity_ends=speeds,
             base_velocity_ends=base_speeds,
-            report=SolveReport(
-                solution.status, solution.iterations, seconds, solution.cost, solution.residual, solution.worst
-            ),
+            report=SolveReport(solution.status, solution.iterations, seconds, solution.cost, solution.residual, size),
         )
 
     def _in_world(self, base: Array) -> Array:
         """Base poses in the moving frame, in the frame of the segment's start."""
         poses = np.array(base)
-        for k in range(len(poses)):
-            x, y, yaw = planar_motion(self.grid.command, k * self.grid.dt)
-            c, s = np.cos(yaw), np.sin(yaw)
-            poses[k, :2] = x + c * base[k, 0] - s * base[k, 1], y + s * base[k, 0] + c * base[k, 1]
-            poses[k, 5] += yaw
+        x, y, yaw = planar_motion(self.grid.command, np.arange(len(poses)) * self.grid.dt).T
+        c, s = np.cos(yaw), np.sin(yaw)
+        poses[:, 0], poses[:, 1] = x + c * base[:, 0] - s * base[:, 1], y + s * base[:, 0] + c * base[:, 1]
+        poses[:, 5] += yaw
         return poses
 
 

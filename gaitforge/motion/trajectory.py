@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import Command
@@ -123,14 +123,10 @@ class Discretisation:
 
     def from_ground(self) -> NDArray[np.float64]:
         """(K, n_F) number of samples to the nearest ground sample (inf when there is none)."""
-        ground, count = self.ground, self.samples
-        distance = np.full(ground.shape, np.inf)
-        order = np.arange(count)
-        for i in range(ground.shape[1]):
-            for g in np.flatnonzero(ground[:, i]):
-                gap = np.abs(order - g)
-                distance[:, i] = np.minimum(distance[:, i], np.minimum(gap, count - gap) if self.cyclic else gap)
-        return distance
+        ground, order = self.ground, np.arange(self.samples)
+        apart = np.abs(order[:, None] - order)
+        apart = np.minimum(apart, self.samples - apart) if self.cyclic else apart
+        return np.asarray(np.where(ground[None], apart[:, :, None], np.inf).min(axis=1), dtype=float)
 
 
 def smooth_step(share: Array | float) -> Array:
@@ -138,14 +134,14 @@ def smooth_step(share: Array | float) -> Array:
     return np.asarray(share**3 * (10 - 15 * share + 6 * share**2))
 
 
-def planar_motion(command: Command, seconds: float) -> Array:
-    """(3,) x, y, yaw after driving a constant body twist for some time."""
-    angle = command.yaw_rate * seconds
-    direction = np.array([np.cos(command.heading), np.sin(command.heading)]) * command.speed * seconds
-    if abs(angle) < 1e-12:
-        return np.array([*direction, 0.0])
-    s, c = np.sin(angle) / angle, (1 - np.cos(angle)) / angle
-    return np.array([s * direction[0] - c * direction[1], c * direction[0] + s * direction[1], angle])
+def planar_motion(command: Command, seconds: ArrayLike) -> Array:
+    """(…, 3) x, y, yaw after driving a constant body twist for some time (…)."""
+    time = np.asarray(seconds, dtype=float)
+    angle, way = command.yaw_rate * time, command.speed * time
+    s = np.sinc(angle / np.pi)  # sin α / α
+    c = np.sin(0.5 * angle) * np.sinc(0.5 * angle / np.pi)  # (1 − cos α) / α
+    ahead, aside = np.cos(command.heading) * way, np.sin(command.heading) * way
+    return np.stack([s * ahead - c * aside, c * ahead + s * aside, angle], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,6 +211,7 @@ def lay_out(
     com_guess = np.array([robot.center_of_mass(b, q) for b, q in zip(guess.base[:1], guess.joints[:1], strict=True)])
     com = problem.add_variables(com_guess + guess.base[:, :3] - guess.base[:1, :3], -np.inf, np.inf)
     joints, feet = {}, {}
+    on, away = grid.ground, grid.from_ground()
     for i in moving:
         rows = robot.joint_indices(robot.limbs[i])
         start = guess.joints[:, rows]
@@ -224,7 +221,8 @@ def lay_out(
             if end is not None and not end.rest:
                 low[at] = high[at] = start[at] = end.joints[rows]
         joints[i] = problem.add_variables(start, low, high)
-        feet[i] = problem.add_variables(guess.feet[:, i], *_foot_bounds(robot, grid, i, step_height))
+        bounds = _foot_bounds(robot, grid, i, step_height, on[:, i], away[:, i])
+        feet[i] = problem.add_variables(guess.feet[:, i], *bounds)
     weights = _add_weights(problem, grid, minimum_weight)
     return Trajectory(robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment)
 
@@ -253,7 +251,9 @@ def _base_bounds(grid: Discretisation, guess: Guess, tilt: float, height_range: 
     return low, high
 
 
-def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height: float) -> tuple[Array, Array]:
+def _foot_bounds(
+    robot: RobotModel, grid: Discretisation, limb: int, step_height: float, ground: Bools, away: Array
+) -> tuple[Array, Array]:
     """Sphere centre at its radius on the ground, at least the step height away from it; ends are free.
 
     Where there is time a foot leaves and meets the ground slowly: a spline that has to climb half a step in its
@@ -261,7 +261,6 @@ def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height
     """
     radius = robot.limbs[limb].foot.radius
     low, high = np.full((grid.samples, 3), -np.inf), np.full((grid.samples, 3), np.inf)
-    ground, away = grid.ground[:, limb], grid.from_ground()[:, limb]
     ramp = _ramp(grid, ground)
     low[:, 2] = radius + step_height * smooth_step(np.minimum(1.0, away / ramp))
     gentle = (away == 1) & (ramp > grid.samples_per_column)

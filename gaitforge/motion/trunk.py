@@ -17,19 +17,25 @@ HALVINGS = 24
 """of the interval in which the nearest point of a capsule's axis lies: 1e-5 of its length"""
 JOINED_M = 0.005
 """[m] a body that is nearer than this to the trunk in the nominal posture is one of its joint's own housings"""
+STANDING_M = 0.1
+"""[m] gaps of the nominal posture are known up to here"""
 
-_known: WeakKeyDictionary[RobotModel, NDArray[np.bool_]] = WeakKeyDictionary()
+_known: WeakKeyDictionary[RobotModel, Array] = WeakKeyDictionary()
 
 
 def closest_to_trunk(
     robot: RobotModel, poses: dict[int, LimbPoses], margin: float, per_interval: int = 1
 ) -> list[Closest]:
-    """Every body of a limb nearer to a shape of the trunk than `margin` [m], as `closest_pairs` tells of two limbs."""
+    """Every body of a limb nearer to a shape of the trunk than `margin` [m], as `closest_pairs` tells of two limbs.
+
+    Only what is nearer than half of its gap in the nominal posture: nobody can ask for more than there is.
+    """
     capsules = limb_capsules(robot)
     a, b, radius = swept(capsules, poses)
     found = []
-    for box, members in _near_boxes(robot, a, b, radius, margin):
+    for box, members, standing in _near_boxes(robot, a, b, radius, margin):
         gap, share = gaps(box, a[members], b[members], radius[members], margin)
+        gap[gap > 0.5 * standing[:, None]] = np.inf
         for p, sample, at, worst, at_sample in hits(gap, margin, per_interval):
             capsule, s, c = capsules[members[p]], share[p, at], members[p]
             touched = nearest_on(box, a[c, at] + s * (b[c, at] - a[c, at]))
@@ -80,16 +86,20 @@ def nearest_on(box: Box, point: Array) -> Array:
 
 def _near_boxes(
     robot: RobotModel, a: Array, b: Array, radius: Array, margin: float
-) -> list[tuple[Box, NDArray[np.intp]]]:
-    """Shapes of the trunk with the capsules that may come nearer than `margin` to any of them at some time."""
+) -> list[tuple[Box, NDArray[np.intp], Array]]:
+    """Shapes of the trunk, the capsules that may come nearer than `margin` to any of them, and their standing gaps."""
     if not robot.trunk:
         return []
     corners = np.array([_corners(box) for box in robot.trunk]).reshape(-1, 3)
     reach = (radius + margin)[:, None, None]
     low, high = np.minimum(a, b) - reach, np.maximum(a, b) + reach
     near = ((low < corners.max(axis=0)) & (high > corners.min(axis=0))).all(axis=2).any(axis=1)
-    pairs = [(box, np.flatnonzero(near & meets)) for box, meets in zip(robot.trunk, _may_meet(robot), strict=True)]
-    return [(box, members) for box, members in pairs if len(members)]
+    found = []
+    for box, standing in zip(robot.trunk, _standing(robot), strict=True):
+        members = np.flatnonzero(near & (standing > JOINED_M))
+        if len(members):
+            found.append((box, members, standing[members]))
+    return found
 
 
 def _corners(box: Box) -> Array:
@@ -97,12 +107,12 @@ def _corners(box: Box) -> Array:
     return np.asarray((signs * box.size) @ np.array(box.rotation).T + box.center)
 
 
-def _may_meet(robot: RobotModel) -> NDArray[np.bool_]:
-    """(boxes, capsules) all but the first body of each limb, which sits at the trunk for good, and its housings."""
+def _standing(robot: RobotModel) -> Array:
+    """(boxes, capsules) gaps in the nominal posture [m]; 0 for the first body of each limb, fixed to the trunk."""
     if robot not in _known:
         capsules = limb_capsules(robot)
         a, b, radius = swept(capsules, evaluate_limbs(robot, robot.nominal.posture[None]))
         free = np.array([c.limb != BASE and c.joint >= 1 for c in capsules])
-        standing = np.array([gaps(box, a, b, radius, JOINED_M)[0][:, 0] for box in robot.trunk])
-        _known[robot] = free & (standing > JOINED_M)
+        standing = np.array([gaps(box, a, b, radius, STANDING_M)[0][:, 0] for box in robot.trunk])
+        _known[robot] = np.where(free, standing, 0.0)
     return _known[robot]

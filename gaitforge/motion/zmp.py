@@ -33,7 +33,7 @@ class PressurePoints(NamedTuple):
     """(n,) the same distance for the CoP [m]"""
 
 
-def zero_moment_point(robot: RobotModel, plan: MotionPlan, per_interval: int = 4) -> PressurePoints:
+def zero_moment_point(robot: RobotModel, plan: MotionPlan, per_interval: int = 2) -> PressurePoints:
     """ZMP and CoP at `per_interval` times an interval (at their middles, away from contact changes)."""
     robot = robot.carrying(*plan.loads)
     intervals = len(plan.times) - 1

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.errors import InputError, Problem
 from gaitforge.robot.limbs import Limb, ToolMount
-from gaitforge.robot.rotation import matrices, quaternions
 from gaitforge.robot.payload import Load, laden_urdf
+from gaitforge.robot.rotation import matrices, quaternions
 
 if TYPE_CHECKING:
     import pinocchio
