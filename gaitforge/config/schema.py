@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from omegaconf import MISSING
@@ -65,7 +66,12 @@ class PhaseConf:
     speed: float | None = None
     heading: float | None = None
     yaw_rate: float | None = None
-    duration: float | None = None
+    body_height: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    step_height: float | None = None
+    posture: Any = None
+    duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
 
@@ -81,7 +87,12 @@ class TaskConf:
     speed: float | None = None
     heading: float | None = None
     yaw_rate: float | None = None
-    duration: float | None = None
+    body_height: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    step_height: float | None = None
+    posture: Any = None
+    duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
 
@@ -97,16 +108,27 @@ class Config:
     pipeline: Any = None
     verify: Any = None
     record: Any = None
+    experiment: Any = None
     seed: int = 0
     outputs: str = "outputs"
     debug: bool = False
 
 
+def run_folder(outputs: str, stamp: str, *, _root_: Any) -> str:
+    """Where a run goes: a task's by robot, an experiment's by name, or where one that is resumed began."""
+    choices, experiment = _root_.hydra.runtime.choices, _root_.experiment
+    if experiment is None:
+        return str(Path(outputs, _root_.robot.name, choices.task, stamp))
+    return str(experiment.get("resume") or Path(outputs, "experiments", choices.experiment, stamp))
+
+
 def register(robots: Mapping[str, str]) -> None:
     """Tell Hydra the schema, and every robot (name → assembly file) as an option of group ``robot``."""
     from hydra.core.config_store import ConfigStore
+    from omegaconf import OmegaConf
 
     store = ConfigStore.instance()
     store.store(name="schema", node=Config)
+    OmegaConf.register_new_resolver("run_folder", run_folder, replace=True)
     for name, file in robots.items():
         store.store(group="robot", name=name, node={"name": name, "file": file})

@@ -209,14 +209,3 @@ class Problem:
         if len(outside):
             worst["bounds"] = (float(outside.max()), int(outside.argmax()), "")
         return worst
-
-    def table(self) -> list[tuple[str, str, int, int]]:
-        """(family, kind, rows, instances) of every family, for people."""
-        entries: dict[tuple[str, str], list[int]] = {}
-        for term in self.terms:
-            kind = "cost" if term.rows is None else "constraint"
-            entry = entries.setdefault((term.family, kind), [0, 0])
-            entry[1] += len(term.variables)
-        for block in self.rows:
-            entries.setdefault((block.family, "constraint"), [0, 0])[0] += len(block.lower)
-        return [(family, kind, rows, places) for (family, kind), (rows, places) in entries.items()]

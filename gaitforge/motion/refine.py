@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.dense import DenseReport, check_densely
+from gaitforge.motion.effort import effort_ratios
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.remedies import NEAR_M, Remedies, misses
@@ -82,6 +83,7 @@ def _reported(
     segment: Segment, plan: MotionPlan, options: MotionOptions, report: DenseReport, remedies: Remedies
 ) -> MotionPlan:
     pressure = zero_moment_point(segment.robot, plan)
+    efforts = effort_ratios(segment.robot, plan)
     details: dict[str, Any] = {
         "refinements": len(remedies.log) - 1,
         "refined": remedies.log,
@@ -90,6 +92,8 @@ def _reported(
         **report.as_dict(),
         "zmp_margin_m": float(pressure.margin.min()),
         "cop_margin_m": float(pressure.cop_margin.min()),
+        "effort_ratio": max(efforts.values()),
+        "effort_ratios": efforts,
     }
     spent = sum(entry["seconds"] for entry in remedies.log)
     turns = sum(entry["iterations"] for entry in remedies.log)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.plan import Command
+from gaitforge.motion.plan import Command, Stance
 from gaitforge.motion.problem import Problem
 from gaitforge.robot.kinematics import base_body, evaluate_limb, limb_parameters
 from gaitforge.robot.model import RobotModel
@@ -41,6 +41,8 @@ class Boundary:
     ground: Bools
     """(n_F,) feet that are on the ground here, seen from across the seam"""
     rest: bool = False
+    stance: Stance | None = None
+    """The mean stance of the gait on this side; None: the nominal one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +56,20 @@ class Discretisation:
     command: Command
     start: Boundary | None = None
     end: Boundary | None = None
+    stance: Stance | None = None
+    """The mean stance of a gait; None: the nominal one."""
+
+    def stances(self, robot: RobotModel) -> Stance:
+        """Body (K, 3) and joints (K, n_J) of the commanded stance; between two gaits evenly from one to the other."""
+        own = Stance(np.array([robot.nominal.body_height, 0.0, 0.0]), np.asarray(robot.nominal.posture))
+        if self.cyclic or self.start is None or self.end is None:
+            first = last = self.stance or own
+        else:
+            first, last = self.start.stance or own, self.end.stance or own
+        share = np.linspace(0.0, 1.0, self.samples)[:, None]
+        return Stance(
+            first.body + share * (last.body - first.body), first.joints + share * (last.joints - first.joints)
+        )
 
     @property
     def cyclic(self) -> bool:
@@ -169,6 +185,10 @@ class Trajectory:
     base_mass: float = 0.0
     base_moment: Array = field(default_factory=lambda: np.zeros(3))
     """(3,) first moment of the base with all limbs that do not move [kg m]"""
+    stance: Stance = field(kw_only=True)
+    """body (K, 3), joints (K, n_J): the commanded mean stance"""
+    step_height: float = field(kw_only=True)
+    """[m]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +227,8 @@ def lay_out(
     count = grid.samples
     parameters = {i: limb_parameters(robot, limb) for i, limb in enumerate(robot.limbs)}
     mass, moment = _lumped(robot, moving, fixed_joints, parameters)
-    base = problem.add_variables(guess.base, *_base_bounds(grid, guess, tilt, height_range))
+    stance = grid.stances(robot)
+    base = problem.add_variables(guess.base, *_base_bounds(grid, guess, stance, tilt, height_range))
     com_guess = np.array([robot.center_of_mass(b, q) for b, q in zip(guess.base[:1], guess.joints[:1], strict=True)])
     com = problem.add_variables(com_guess + guess.base[:, :3] - guess.base[:1, :3], -np.inf, np.inf)
     joints, feet = {}, {}
@@ -224,7 +245,10 @@ def lay_out(
         bounds = _foot_bounds(robot, grid, i, step_height, on[:, i], away[:, i])
         feet[i] = problem.add_variables(guess.feet[:, i], *bounds)
     weights = _add_weights(problem, grid, minimum_weight)
-    return Trajectory(robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment)
+    return Trajectory(
+        robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment,
+        stance=stance, step_height=step_height,
+    )  # fmt: skip
 
 
 def _lumped(
@@ -237,10 +261,12 @@ def _lumped(
     return mass, moment
 
 
-def _base_bounds(grid: Discretisation, guess: Guess, tilt: float, height_range: float) -> tuple[Array, Array]:
+def _base_bounds(
+    grid: Discretisation, guess: Guess, stance: Stance, tilt: float, height_range: float
+) -> tuple[Array, Array]:
     low, high = np.full(guess.base.shape, -np.inf), np.full(guess.base.shape, np.inf)
     low[:, 2], high[:, 2] = guess.centre[:, 2] - height_range, guess.centre[:, 2] + height_range
-    low[:, 3:5], high[:, 3:5] = -tilt, tilt
+    low[:, 3:5], high[:, 3:5] = stance.body[:, 1:] - tilt, stance.body[:, 1:] + tilt
     low[:, 5], high[:, 5] = guess.centre[:, 5] - 0.5, guess.centre[:, 5] + 0.5
     if grid.cyclic:
         low[0, :2] = high[0, :2] = guess.base[0, :2]  # the gauge: where the gait begins does not matter

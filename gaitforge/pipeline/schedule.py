@@ -78,7 +78,7 @@ def _middle(robot: RobotModel, phases: Sequence[Phase], index: int) -> tuple[flo
     x = y = yaw = 0.0
     for number, phase in enumerate(phases[: index + 1]):
         speed = nominal.speed if phase.speed is None else phase.speed
-        seconds = phase.cycles * (nominal.duration if phase.duration is None else phase.duration)
+        seconds = phase.cycles * (nominal.duration if phase.duration in (None, "auto") else float(phase.duration))
         seconds *= 0.5 if number == index else 1.0
         seconds += nominal.transition_columns * nominal.transition_column_s if number else 0.0
         dx, dy, turn = planar_motion(Command(speed, phase.heading, phase.yaw_rate), seconds)

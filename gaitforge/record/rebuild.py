@@ -50,6 +50,8 @@ def _plan(name: str, arrays: Arrays) -> MotionPlan:
         weights=arrays[f"{name}/weights"],
         command=from_plain(info["command"]),
         roles=from_plain(info["roles"]),
+        loads=from_plain(info.get("loads", [])),
+        stance=from_plain(info.get("stance")),
         joint_velocity_ends=arrays.get(f"{name}/joint_velocity_ends"),
         base_velocity_ends=arrays.get(f"{name}/base_velocity_ends"),
         report=SolveReport(**report),

@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from gaitforge.motion.plan import Command
+from gaitforge.motion.plan import Command, Stance
 from gaitforge.motion.timeline import Aim
 from gaitforge.robot.limbs import Foot, Limb, ToolMount
 from gaitforge.robot.model import Capsule, Nominal, RobotModel
+from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Failed, Held, Locomotive, Tool
 from gaitforge.task.scene import Scene, SceneObject
 
@@ -24,7 +25,7 @@ CLASSES: dict[str, type] = {
     cls.__name__: cls
     for cls in (
         *(Foot, Limb, ToolMount, Nominal, Capsule, RobotModel, Scene, SceneObject),
-        *(Locomotive, Held, Failed, Tool, Command, Aim),
+        *(Locomotive, Held, Failed, Tool, Command, Stance, Load, Aim),
     )
 }
 

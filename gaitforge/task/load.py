@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from gaitforge.errors import InputError
-from gaitforge.robot.payload import BODY, Load
+from gaitforge.task.commands import read_load, read_posture
 from gaitforge.task.phase import Phase, Task
 from gaitforge.task.reader import Reader
 from gaitforge.task.roles import Failed, Held, Locomotive, Role, Tool
@@ -15,7 +15,10 @@ from gaitforge.task.scene import Scene, SceneObject
 if TYPE_CHECKING:
     from gaitforge.robot.model import RobotModel
 
-COMMON = ("gait", "cycles", "speed", "heading", "yaw_rate", "duration", "columns", "loads")
+COMMON = (
+    "gait", "cycles", "speed", "heading", "yaw_rate", "body_height", "roll", "pitch", "step_height", "posture",
+    "duration", "columns", "loads",
+)  # fmt: skip
 """What a task may say once for all its phases."""
 METHODS = ("auto", "tripod", "wave", "program")
 DEFAULT_CYCLES = 2
@@ -110,27 +113,20 @@ def _phase(
         speed=number("speed", "a speed ≥ 0 [m/s]", lambda x: x >= 0),
         heading=number("heading", "an angle [rad]", lambda x: True) or 0.0,
         yaw_rate=number("yaw_rate", "a yaw rate [rad/s]", lambda x: True) or 0.0,
-        duration=number("duration", "a time > 0 [s]", lambda x: x > 0),
+        body_height=number("body_height", "a height > 0 [m]", lambda x: x > 0),
+        roll=number("roll", "an angle within ±0.5 [rad]", lambda x: abs(x) <= 0.5) or 0.0,
+        pitch=number("pitch", "an angle within ±0.5 [rad]", lambda x: abs(x) <= 0.5) or 0.0,
+        step_height=number("step_height", "a height > 0 [m]", lambda x: x > 0),
+        posture=read_posture(reader, item.get("posture"), where("posture"), robot),
+        duration="auto"
+        if item.get("duration") == "auto"
+        else number("duration", "a time > 0 [s], or auto", lambda x: x > 0),
         columns=count("columns", "a number of columns ≥ 1"),
         loads=tuple(
-            _load(reader, value, f"{where('loads')}.{i}", robot)
+            read_load(reader, value, f"{where('loads')}.{i}", robot)
             for i, value in enumerate(reader.listing(item.get("loads"), where("loads")))
         ),
     )
-
-
-def _load(reader: Reader, value: Any, key: str, robot: RobotModel | None) -> Load:
-    item = reader.mapping(value, key, ("mass", "point", "frame"))
-    mass = reader.number(item.get("mass"), f"{key}.mass", "a mass > 0 [kg]", lambda x: x > 0)
-    point = reader.vector(item.get("point"), f"{key}.point", "x, y, z [m]")
-    frame = item.get("frame", BODY)
-    if not isinstance(frame, str):
-        reader.problem(f"{key}.frame", repr(frame), "body, or the name of a limb or tool")
-    elif robot is not None:
-        known = (BODY, *robot.limb_names, *(tool.name for tool in robot.tools))
-        if frame not in known:
-            reader.problem(f"{key}.frame", repr(frame), "one of " + ", ".join(known))
-    return Load(mass if mass > 0 else 1.0, point, str(frame))
 
 
 def _gait(reader: Reader, value: Any, key: str, robot: RobotModel | None) -> str | Mapping[str, str]:

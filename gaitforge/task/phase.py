@@ -31,8 +31,18 @@ class Phase:
     """[rad] direction of travel in the body frame, counter-clockwise from ahead"""
     yaw_rate: float = 0.0
     """[rad/s]"""
-    duration: float | None = None
-    """[s] of one cycle"""
+    body_height: float | None = None
+    """[m] mean height of base_link above the ground"""
+    roll: float = 0.0
+    """[rad] mean"""
+    pitch: float = 0.0
+    """[rad] mean, nose down is positive"""
+    step_height: float | None = None
+    """[m]"""
+    posture: str | Mapping[str, tuple[float, ...]] | None = None
+    """How the limbs that walk stand: a posture of the robot by name, or limb → joint positions [rad]."""
+    duration: float | Literal["auto"] | None = None
+    """[s] of one cycle; auto: the shortest that keeps joint speeds and torques below their bounds"""
     columns: int | None = None
     """m of the cyclic pattern"""
     loads: tuple[Load, ...] = ()

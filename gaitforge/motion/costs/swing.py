@@ -25,8 +25,6 @@ class SwingProfile(Family):
     unit: ClassVar[str] = "m² s"
     weight: float = 100.0
     """per m² s"""
-    step_height: float = 0.03
-    """[m]"""
 
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """One place a swing sample whose swing begins and ends on the ground."""
@@ -36,7 +34,7 @@ class SwingProfile(Family):
             share = swing_share(grid.ground[:, i], grid.cyclic)
             here = np.flatnonzero(np.isfinite(share))
             up = smooth_step(1.0 - np.abs(2.0 * share[here] - 1.0))
-            goal = robot.limbs[i].foot.radius + 1.1 * self.step_height * up
+            goal = robot.limbs[i].foot.radius + 1.1 * trajectory.step_height * up
             parameters = np.stack([np.full(len(here), self.weight * grid.dt), goal], axis=1)
             problem.add_term(self.name, height, trajectory.feet[i][here, 2:3], parameters)
             self._add_paths(problem, trajectory, i, path)
