@@ -7,6 +7,7 @@ one and turning needs no special case; a transition or a stand is written in the
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -71,32 +72,32 @@ class Discretisation:
             first.body + share * (last.body - first.body), first.joints + share * (last.joints - first.joints)
         )
 
-    @property
+    @cached_property
     def cyclic(self) -> bool:
         """A gait: the last sample is the first."""
         return self.pattern.cyclic
 
-    @property
+    @cached_property
     def intervals(self) -> int:
         """N"""
         return self.pattern.columns * self.samples_per_column
 
-    @property
+    @cached_property
     def samples(self) -> int:
         """K: unknown samples, N in a gait and N + 1 elsewhere."""
         return self.intervals if self.cyclic else self.intervals + 1
 
-    @property
+    @cached_property
     def dt(self) -> float:
         """[s]"""
         return self.duration / self.intervals
 
-    @property
+    @cached_property
     def contact(self) -> Bools:
         """(N, n_F) contact held over each interval."""
         return np.repeat(self.pattern.contact.T, self.samples_per_column, axis=0)
 
-    @property
+    @cached_property
     def ground(self) -> Bools:
         """(K, n_F) on the ground at each sample: in stance in the interval before or after it."""
         held = self.contact
@@ -110,7 +111,7 @@ class Discretisation:
                 ground[at] |= end.ground
         return ground
 
-    @property
+    @cached_property
     def step(self) -> Array:
         """(3,) x, y [m], yaw [rad]: motion of the commanded frame over one interval (zero outside gaits)."""
         if not self.cyclic:
@@ -132,17 +133,29 @@ class Discretisation:
             return np.array([2.0, -2.0, 0.0]) / h**2, 0.0, 2.0 / h
         return np.array([1.0, -2.0, 1.0]) / h**2, 0.0, 0.0
 
+    def accelerations(self, start: Array, end: Array) -> tuple[Array, Array]:
+        """(K, 3) coefficients of the samples before, at and after each, (K, n) what velocities at open ends add."""
+        coefficients = np.tile(np.array([1.0, -2.0, 1.0]) / self.dt**2, (self.samples, 1))
+        added = np.zeros((self.samples, len(start)))
+        for k in () if self.cyclic else (0, self.samples - 1):
+            coefficients[k] = self.acceleration(k)[0]
+            added[k] = self.end_velocity_terms(k, start, end)
+        return coefficients, added
+
     def end_velocity_terms(self, k: int, start: Array, end: Array) -> Array:
         """What the velocities at open ends contribute to the acceleration at sample k."""
         _, from_start, from_end = self.acceleration(k)
         return from_start * start + from_end * end
 
+    @cached_property
     def from_ground(self) -> NDArray[np.float64]:
         """(K, n_F) number of samples to the nearest ground sample (inf when there is none)."""
-        ground, order = self.ground, np.arange(self.samples)
-        apart = np.abs(order[:, None] - order)
-        apart = np.minimum(apart, self.samples - apart) if self.cyclic else apart
-        return np.asarray(np.where(ground[None], apart[:, :, None], np.inf).min(axis=1), dtype=float)
+        order = np.arange(self.samples)
+        gap = np.abs(order[:, None] - order)
+        if self.cyclic:
+            gap = np.minimum(gap, self.samples - gap)
+        away = np.where(self.ground.T[:, None, :], gap, np.inf)  # (n_F, K, ground sample)
+        return np.asarray(away.min(axis=2).T)
 
 
 def smooth_step(share: Array | float) -> Array:
@@ -232,7 +245,6 @@ def lay_out(
     com_guess = np.array([robot.center_of_mass(b, q) for b, q in zip(guess.base[:1], guess.joints[:1], strict=True)])
     com = problem.add_variables(com_guess + guess.base[:, :3] - guess.base[:1, :3], -np.inf, np.inf)
     joints, feet = {}, {}
-    on, away = grid.ground, grid.from_ground()
     for i in moving:
         rows = robot.joint_indices(robot.limbs[i])
         start = guess.joints[:, rows]
@@ -242,7 +254,7 @@ def lay_out(
             if end is not None and not end.rest:
                 low[at] = high[at] = start[at] = end.joints[rows]
         joints[i] = problem.add_variables(start, low, high)
-        bounds = _foot_bounds(robot, grid, i, step_height, on[:, i], away[:, i])
+        bounds = _foot_bounds(robot, grid, i, step_height)
         feet[i] = problem.add_variables(guess.feet[:, i], *bounds)
     weights = _add_weights(problem, grid, minimum_weight)
     return Trajectory(
@@ -277,9 +289,7 @@ def _base_bounds(
     return low, high
 
 
-def _foot_bounds(
-    robot: RobotModel, grid: Discretisation, limb: int, step_height: float, ground: Bools, away: Array
-) -> tuple[Array, Array]:
+def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height: float) -> tuple[Array, Array]:
     """Sphere centre at its radius on the ground, at least the step height away from it; ends are free.
 
     Where there is time a foot leaves and meets the ground slowly: a spline that has to climb half a step in its
@@ -287,6 +297,8 @@ def _foot_bounds(
     """
     radius = robot.limbs[limb].foot.radius
     low, high = np.full((grid.samples, 3), -np.inf), np.full((grid.samples, 3), np.inf)
+    away = grid.from_ground[:, limb]
+    ground = grid.ground[:, limb]
     ramp = _ramp(grid, ground)
     low[:, 2] = radius + step_height * smooth_step(np.minimum(1.0, away / ramp))
     gentle = (away == 1) & (ramp > grid.samples_per_column)
