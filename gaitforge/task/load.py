@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from gaitforge.errors import InputError
 from gaitforge.task.commands import read_load, read_posture
+from gaitforge.task.load_handling import HANDLING, check_handling, handling_phase
 from gaitforge.task.phase import Phase, Task
 from gaitforge.task.reader import Reader
 from gaitforge.task.roles import Failed, Held, Locomotive, Role, Tool
@@ -79,6 +80,7 @@ def _phases(reader: Reader, top: Mapping[str, Any], scene: Scene, robot: RobotMo
     common = {k: top[k] for k in COMMON if top.get(k) is not None}
     phases = tuple(_phase(reader, p, f"phases.{i}", common, scene, robot) for i, p in enumerate(given))
     reader.unique([p.name for p in phases], "phases", "a phase of its own name")
+    check_handling(reader, phases, scene, robot)
     for phase in phases:
         if phase.name in RESERVED:
             reader.problem("phases", repr(phase.name), "another name: stands are called " + " and ".join(RESERVED))
@@ -88,7 +90,12 @@ def _phases(reader: Reader, top: Mapping[str, Any], scene: Scene, robot: RobotMo
 def _phase(
     reader: Reader, value: Any, key: str, common: Mapping[str, Any], scene: Scene, robot: RobotModel | None
 ) -> Phase:
-    own = reader.mapping(value, key, ("name", "kind", "roles", *COMMON))
+    own = reader.mapping(value, key, ("name", "kind", "roles", *COMMON, *HANDLING))
+    if own.get("kind") in ("pick", "place"):
+        return handling_phase(reader, own, key)
+    for name in HANDLING:
+        if own.get(name) is not None:
+            reader.problem(f"{key}.{name}", repr(own[name]), "nothing: a phase that walks handles no object")
     item = {**common, **{k: v for k, v in own.items() if v is not None}}
 
     def where(name: str) -> str:
@@ -106,7 +113,7 @@ def _phase(
         _check_rows(reader, gait, where("gait"), roles, robot)
     return Phase(
         name=reader.text(item.get("name"), f"{key}.name"),
-        kind=reader.choice(item.get("kind", "walk"), f"{key}.kind", ("walk",)),
+        kind=reader.choice(item.get("kind", "walk"), f"{key}.kind", ("walk", "pick", "place")),
         cycles=count("cycles", "a number of cycles ≥ 1") or DEFAULT_CYCLES,
         roles=roles,
         gait=gait,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from gaitforge.robot.payload import Load
+from gaitforge.task.handling import Pick, Place
 from gaitforge.task.roles import Role
 from gaitforge.task.scene import Scene
 
@@ -19,7 +20,9 @@ class Phase:
     """
 
     name: str
-    kind: Literal["walk"] = "walk"
+    kind: Literal["walk", "pick", "place"] = "walk"
+    handling: Pick | Place | None = None
+    """What a phase that is no walk does to an object, standing"""
     cycles: int = 2
     roles: Mapping[str, Role] = field(default_factory=dict)
     """Limb name, or name of the tool it carries → role; limbs not named are locomotive."""
