@@ -66,9 +66,24 @@ class PhaseConf:
     speed: float | None = None
     heading: float | None = None
     yaw_rate: float | None = None
-    duration: float | None = None
+    body_height: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    step_height: float | None = None
+    posture: Any = None
+    duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
+    object: str | None = None
+    limbs: list[str] | None = None
+    squeeze: float | None = None
+    lift: float | None = None
+    grip_height: float | None = None
+    grip_spread: float | None = None
+    ready_aside: float | None = None
+    ready_above: float | None = None
+    crouch: float | None = None
+    onto: str | None = None
 
 
 @dataclass
@@ -82,7 +97,12 @@ class TaskConf:
     speed: float | None = None
     heading: float | None = None
     yaw_rate: float | None = None
-    duration: float | None = None
+    body_height: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    step_height: float | None = None
+    posture: Any = None
+    duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
 

@@ -9,6 +9,7 @@ from math import cos, sin
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.trajectory import planar_motion
 from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
+from gaitforge.pipeline.handling import carriage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
@@ -24,14 +25,17 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
     `done` is filled as far as planning came when an error leaves this function, so that the summary of
     a run without a solution shows what there was.
     """
+    with watch.stage("motion"):
+        load = carriage(robot, task)
+    laden, walk = load.robot, load.walk
     with Workers(options.search.workers) as workers:
-        gaits = _plan_gaits(robot, task, options, watch, done, workers)
-        changes = _plan_changes(robot, gaits, options, watch, workers)
+        gaits = _plan_gaits(laden, walk, options, watch, done, workers)
+        changes = _plan_changes(laden, gaits, options, watch, workers)
     start, stop = (
-        Segment(_stand(w, robot, g.plan, options, watch)) for w, g in (("start", gaits[0]), ("stop", gaits[-1]))
+        Segment(_stand(w, laden, g.plan, options, watch)) for w, g in (("start", gaits[0]), ("stop", gaits[-1]))
     )
     between = [segment for pair in zip(gaits[1:], changes, strict=True) for segment in reversed(pair)]
-    done[:] = [start, gaits[0], *between, stop]
+    done[:] = load.around(robot, task.scene, [start, gaits[0], *between, stop], watch)
 
 
 def _plan_changes(
@@ -78,7 +82,7 @@ def _middle(robot: RobotModel, phases: Sequence[Phase], index: int) -> tuple[flo
     x = y = yaw = 0.0
     for number, phase in enumerate(phases[: index + 1]):
         speed = nominal.speed if phase.speed is None else phase.speed
-        seconds = phase.cycles * (nominal.duration if phase.duration is None else phase.duration)
+        seconds = phase.cycles * (nominal.duration if phase.duration in (None, "auto") else float(phase.duration))
         seconds *= 0.5 if number == index else 1.0
         seconds += nominal.transition_columns * nominal.transition_column_s if number else 0.0
         dx, dy, turn = planar_motion(Command(speed, phase.heading, phase.yaw_rate), seconds)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -42,6 +43,8 @@ class Nominal:
     transition_columns: int = 11
     transition_column_s: float = 0.125
     """[s] per column of a transition"""
+    postures: Mapping[str, Array] = field(default_factory=dict)
+    """Standing postures by name, (n_J,) [rad] each, for `plan_gait(posture=…)`."""
 
 
 @dataclass(frozen=True)

@@ -132,3 +132,26 @@ def test_a_wrong_load_is_refused(dodecapod: RobotModel) -> None:
     found = problems({"phases": [{"name": "a", "loads": loads}]}, dodecapod)
     keys = ("0.mass", "0.point", "1.weight", "1.frame")
     assert [key for key, _ in found] == [f"phases.0.loads.{key}" for key in keys]
+
+
+def test_a_phase_commands_body_steps_posture_and_duration(dodecapod: RobotModel) -> None:
+    given = {"body_height": 0.15, "roll": 0.05, "pitch": -0.1, "step_height": 0.05, "duration": "auto",
+             "posture": {"L1": [0.4, 0, 0]}}  # fmt: skip
+    (phase,) = load_task({"phases": [{"name": "a", **given}]}, "t", robot=dodecapod).phases
+    assert (phase.body_height, phase.roll, phase.pitch) == (0.15, 0.05, -0.1)
+    assert (phase.step_height, phase.duration, phase.posture) == (0.05, "auto", {"L1": (0.4, 0.0, 0.0)})
+    plain = load_task({"phases": [{"name": "a"}]}, "t", robot=dodecapod).phases[0]
+    assert (plain.body_height, plain.roll, plain.pitch, plain.posture, plain.duration) == (None, 0.0, 0.0, None, None)
+
+
+@pytest.mark.parametrize(
+    ("given", "key"),
+    [
+        ({"body_height": -0.1}, "body_height"), ({"roll": 0.7}, "roll"), ({"step_height": 0.0}, "step_height"),
+        ({"duration": "short"}, "duration"), ({"posture": "upright"}, "posture"),
+        ({"posture": {"L9": [0, 0, 0]}}, "posture.L9"), ({"posture": {"L1": [0, 0]}}, "posture.L1"),
+        ({"posture": {"L1": [0, 0, 2.0]}}, "posture.L1"),
+    ],
+)  # fmt: skip
+def test_a_wrong_command_is_refused(given: dict[str, Any], key: str, dodecapod: RobotModel) -> None:
+    assert [found for found, _ in problems({"phases": [{"name": "a", **given}]}, dodecapod)] == [f"phases.0.{key}"]
