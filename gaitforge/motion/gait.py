@@ -142,9 +142,7 @@ def _guess(robot: RobotModel, stance: Stance, joints: Array, grid: Discretisatio
     feet = np.tile(robot.foot_positions(base[0], stance.joints), (count, 1, 1))
     for i in range(feet.shape[1]):
         late = _stance_progress(grid.contact[:, i])
-        for k in range(count):
-            x, y, _ = planar_motion(grid.command, -float(late[k]) * grid.dt)
-            feet[k, i, :2] += (x, y)
+        feet[:, i, :2] += planar_motion(grid.command, -late * grid.dt)[:, :2]
     return Guess(base, np.tile(joints, (count, 1)), feet)
 
 
