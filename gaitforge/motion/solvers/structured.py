@@ -32,6 +32,8 @@ class Structured:
     """On the diagonal of the KKT matrix, so that no pivot is zero"""
     patience: int = 15
     """Iterations in which infeasibility has to halve"""
+    native: bool = True
+    """Use code compiled on this machine where there is a C compiler; slower without, otherwise the same"""
     fallback: MotionSolver | None = field(default_factory=Ipopt)
     """Asked when this one fails; None: the failure stands"""
 
@@ -50,7 +52,7 @@ class Structured:
         )
 
     def _solve(self, problem: Problem, start: Start, begin: float) -> Solution:
-        workspace = workspace_of(problem)
+        workspace = workspace_of(problem, self.native)
         structure = workspace.structure
         prepared = time.perf_counter() - begin
         known = start.multipliers if isinstance(start, Solution) else None
