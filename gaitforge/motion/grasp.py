@@ -70,9 +70,10 @@ class Grasp:
         for c in self.contacts:
             q = tip_joints(self.robot, c.limb, c.tip(poses, gap, above), near[c.limb.name])
             if c.squeezes and not gap:
-                which, levers = self._lever(c, poses[0], q[0])
+                which = self._lever(c, poses[0], q[0])[0]
                 row = self.robot.joint_indices(c.limb)[which]
-                further = q[:, which] + DEPTH / levers[which]
+                levers = [self._lever(c, pose, joints)[1][which] for pose, joints in zip(poses, q, strict=True)]
+                further = q[:, which] + DEPTH / np.array(levers)
                 q[:, which] = np.clip(further, self.robot.lower[row], self.robot.upper[row])
             found[c.limb.name] = q
         return found
