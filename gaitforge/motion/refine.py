@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.bodies import Closest
@@ -63,7 +62,7 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
 def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
     """Solve on the asked grid; when the spline pushes feet into the ground, on one that is as fine as needed."""
     remedies = _Remedies(_role_changes(segment))
-    start: NDArray[np.float64] | None = None
+    start: Solution | None = None
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(options, remedies.families, start)
         remedies.seconds += plan.report.seconds
@@ -71,7 +70,7 @@ def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
         if not solution.solved:
             raise _unsolved(segment, solution, turn)
         report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
-        now, start = segment.grid.samples_per_column, solution.x
+        now, start = segment.grid.samples_per_column, solution
         if report.penetration > options.ground_tolerance and now < options.finest:
             finer = min(options.finest, int(np.ceil(now * report.penetration / options.ground_tolerance)))
             segment, start = segment.on_grid(finer), None

@@ -13,7 +13,7 @@ from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, Kind, MotionPlan, SolveReport
 from gaitforge.motion.problem import Problem
-from gaitforge.motion.solvers.solution import Solution
+from gaitforge.motion.solvers.solution import Solution, Start
 from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, lay_out, planar_motion
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Role
@@ -61,7 +61,7 @@ class Segment:
         return problem, trajectory
 
     def solve(
-        self, options: MotionOptions, extra: Sequence[Family] = (), start: Array | None = None
+        self, options: MotionOptions, extra: Sequence[Family] = (), start: Start = None
     ) -> tuple[Solution, MotionPlan]:
         """Build and solve; the plan is returned whether solved or not, the solution says which."""
         begin = time.perf_counter()
