@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.dense import DenseReport, check_densely
@@ -38,15 +39,9 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     raise failure
 
 
-<<<<<<< HEAD
-def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
-    """Solve on the asked grid; when the spline pushes feet into the ground, on one that is as fine as needed."""
-    remedies = _Remedies(_role_changes(segment))
-=======
 def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     """Solve on the asked grid, then with what the dense check asks for."""
     remedies, answered = Remedies(_role_changes(segment)), tuple[str, ...]()
->>>>>>> main
     start: Solution | None = None
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(remedies.applied(options), remedies.families, start)
@@ -54,17 +49,8 @@ def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
         if not solution.solved:
             raise _unsolved(segment, solution, turn)
         report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
-<<<<<<< HEAD
-        now, start = segment.grid.samples_per_column, solution
-        if report.penetration > options.ground_tolerance and now < options.finest:
-            finer = min(options.finest, int(np.ceil(now * report.penetration / options.ground_tolerance)))
-            segment, start = segment.on_grid(finer), None
-            remedies.clearances.clear()  # their samples are another grid's
-        elif not _remedy(segment, options, report, remedies):
-=======
         missed, start = misses(segment, options, report), solution
         if not missed:
->>>>>>> main
             return _reported(segment, plan, options, report, remedies)
         answered = tuple(m.family for m in missed)
         finer = _finer(segment, options, report)
