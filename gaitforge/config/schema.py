@@ -55,6 +55,7 @@ class PhaseConf:
     yaw_rate: float | None = None
     duration: float | None = None
     columns: int | None = None
+    failure: Any = None
 
 
 @dataclass
@@ -70,6 +71,9 @@ class TaskConf:
     yaw_rate: float | None = None
     duration: float | None = None
     columns: int | None = None
+    limbs: list[str] | None = None
+    mode: str | None = None
+    at: float | None = None
 
 
 @dataclass

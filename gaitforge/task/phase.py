@@ -6,8 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from gaitforge.task.roles import Role
+from gaitforge.task.roles import Mode, Role
 from gaitforge.task.scene import Scene
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Limbs that fail all at once while a phase's gait is under way, and stay so."""
+
+    limbs: tuple[str, ...]
+    """Names of limbs, or of the tools they carry"""
+    mode: Mode = "locked"
+    at: float | None = None
+    """[-] share of a cycle that is over then, 0…1, counted from the end of the phase's own cycles; None: drawn
+    from the seed"""
 
 
 @dataclass(frozen=True)
@@ -34,6 +46,8 @@ class Phase:
     """[s] of one cycle"""
     columns: int | None = None
     """m of the cyclic pattern"""
+    failure: Failure | None = None
+    """What ends the phase, in the middle of one more cycle"""
 
 
 @dataclass(frozen=True)
