@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from gaitforge.record import write_log as write_log
     from gaitforge.robot.load import load_robot as load_robot
     from gaitforge.robot.model import RobotModel as RobotModel
+    from gaitforge.robot.payload import Load as Load
     from gaitforge.task.roles import Failed as Failed
     from gaitforge.task.roles import Held as Held
     from gaitforge.task.roles import Tool as Tool
@@ -46,6 +47,7 @@ _HOMES = {
     "plan_transition": "gaitforge.motion.transition",
     "plan_start": "gaitforge.motion.stand",
     "plan_stop": "gaitforge.motion.stand",
+    "Load": "gaitforge.robot.payload",
     "Failed": "gaitforge.task.roles",
     "Held": "gaitforge.task.roles",
     "Tool": "gaitforge.task.roles",

@@ -4,29 +4,14 @@ from __future__ import annotations
 
 import shutil
 import traceback
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 from omegaconf import DictConfig
 
 from gaitforge.cli.compose_errors import input_error, is_input_error
+from gaitforge.cli.outcome import JobOutcome, Say
 from gaitforge.errors import GaitforgeError, InputError
-
-Say = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class JobOutcome:
-    """What the command line needs to know of a finished job; goes between processes."""
-
-    code: int
-    status: str
-    robot: str
-    task: str
-    folder: str
-    seconds: float = 0.0
-    message: str = ""
 
 
 def run_job(node: DictConfig, allow: Sequence[str], *, say: Say, complain: Say) -> JobOutcome:
@@ -36,10 +21,14 @@ def run_job(node: DictConfig, allow: Sequence[str], *, say: Say, complain: Say) 
     """
     from hydra.core.hydra_config import HydraConfig
 
+    from gaitforge.cli.experiment import run_experiment_job
+
     hydra = HydraConfig.get()
     folder, task = Path(hydra.runtime.output_dir), str(hydra.runtime.choices["task"])
     robot = str(node.robot.name)
     try:
+        if node.experiment is not None:
+            return run_experiment_job(node, allow, folder, str(hydra.runtime.choices["experiment"]), say)
         return _run(node, allow, folder, task, say)
     except Exception as error:
         told = input_error(error) if is_input_error(error) else error

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from omegaconf import DictConfig
 
 from gaitforge.config import build, plain
 from gaitforge.pipeline.options import Options, Search
+
+if TYPE_CHECKING:
+    from gaitforge.motion.family import Family
 
 
 def options(node: DictConfig, allow: Sequence[str]) -> Options:
@@ -20,6 +23,7 @@ def options(node: DictConfig, allow: Sequence[str]) -> Options:
     whole = plain(node)
     motion = dict(whole["motion"])
     transition = motion.pop("transition")
+    motion["constraints"], motion["costs"] = (_families(motion, group, allow) for group in ("constraints", "costs"))
     return Options(
         simulator=build(whole["verify"], Simulator, key="verify", allow=allow),
         recorder=build(whole["record"], McapRecorder, key="record", allow=allow),
@@ -28,6 +32,18 @@ def options(node: DictConfig, allow: Sequence[str]) -> Options:
         footfall=footfall_options(whole["footfall"], int(whole["seed"]), allow),
         search=build(whole["pipeline"], Search, key="pipeline", allow=allow),
         seed=int(whole["seed"]),
+    )
+
+
+def _families(motion: Mapping[str, Any], group: str, allow: Sequence[str]) -> tuple[Family, ...]:
+    """The families of a group, name → family in the config; a null is a family that was taken out."""
+    from gaitforge.motion.family import Family
+
+    nodes = motion.get(group) or {}
+    return tuple(
+        build(node, Family, key=f"motion.{group}.{name}", allow=allow)
+        for name, node in nodes.items()
+        if node is not None
     )
 
 

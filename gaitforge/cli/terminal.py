@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gaitforge.cli.interrupt import stop_if_requested
 
 if TYPE_CHECKING:
-    from gaitforge.cli.job import JobOutcome
+    from gaitforge.cli.outcome import JobOutcome
+    from gaitforge.experiment.results import Outcome
     from gaitforge.pipeline.outcome import RunOutcome
+    from gaitforge.report.results_page import Column
     from gaitforge.robot.model import RobotModel
 
 
@@ -41,13 +43,15 @@ class Narrator:
 
 def summary_text(outcome: RunOutcome) -> str:
     """The closing summary: segments with planned and measured speeds, verdict, files, how to open the log."""
-    from gaitforge.report.text import checks_text, segments_text
+    from gaitforge.report.text import checks_text, problem_text, segments_text
 
     summary = outcome.summary
     parts = [segments_text(summary)] if summary["segments"] else []
     parts.append(_verdict(outcome))
     if any(not check["passed"] for check in summary["checks"]):
         parts.append(checks_text(summary, failed_only=True))
+    problems = [s for s in summary["segments"] if s.get("problem")]
+    parts += [f"motion problem of {s['name']}\n{problem_text(s['problem'])}" for s in problems]
     parts.append(_files(outcome.folder))
     return "\n" + "\n\n".join(parts)
 
@@ -69,6 +73,26 @@ def _files(folder: Path) -> str:
     if (folder / "report.html").exists():
         lines.append("report  report.html")
     return "\n".join(lines)
+
+
+def experiment_text(outcome: Outcome, columns: Sequence[Column]) -> str:
+    """The closing table of an experiment, its verdict, and where its files are."""
+    from gaitforge.report.text import table
+
+    results = outcome.results
+    rows, counts = results["rows"], results["counts"]
+    shown = [c for c in columns if any(row.get(c.key) is not None for row in rows)]
+    cells = [[*(c.text(row) for c in shown), _mark(row)] for row in rows]
+    verdict = (
+        f"{outcome.status}: {counts['measured']} of {counts['rows']} rows measured, "
+        f"{counts['accepted']} of {counts['judged']} accepted ({results['seconds']:.1f} s)"
+    )
+    files = f"files   {_short(outcome.folder)}: results.json, results.md"
+    return "\n" + "\n\n".join([table([*(c.title for c in shown), ""], cells), verdict, files])
+
+
+def _mark(row: Mapping[str, Any]) -> str:
+    return {True: "✓", False: "✗", None: "·"}[row["accepted"]] if row["measured"] else str(row["status"])
 
 
 def _short(path: Path) -> str:

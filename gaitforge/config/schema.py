@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from omegaconf import MISSING
@@ -42,6 +43,18 @@ class SceneObjectConf:
 
 
 @dataclass
+class LoadConf:
+    """What the robot carries."""
+
+    mass: float = MISSING
+    """[kg]"""
+    point: list[float] = MISSING
+    """[m] centre of mass in the frame"""
+    frame: str = "body"
+    """body, a limb or a tool"""
+
+
+@dataclass
 class PhaseConf:
     """One phase of a task; null = the task's value, then the robot's nominal one."""
 
@@ -53,8 +66,24 @@ class PhaseConf:
     speed: float | None = None
     heading: float | None = None
     yaw_rate: float | None = None
-    duration: float | None = None
+    body_height: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    step_height: float | None = None
+    posture: Any = None
+    duration: Any = None
     columns: int | None = None
+    loads: list[LoadConf] | None = None
+    object: str | None = None
+    limbs: list[str] | None = None
+    squeeze: float | None = None
+    lift: float | None = None
+    grip_height: float | None = None
+    grip_spread: float | None = None
+    ready_aside: float | None = None
+    ready_above: float | None = None
+    crouch: float | None = None
+    onto: str | None = None
     failure: Any = None
 
 
@@ -69,8 +98,14 @@ class TaskConf:
     speed: float | None = None
     heading: float | None = None
     yaw_rate: float | None = None
-    duration: float | None = None
+    body_height: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    step_height: float | None = None
+    posture: Any = None
+    duration: Any = None
     columns: int | None = None
+    loads: list[LoadConf] | None = None
     limbs: list[str] | None = None
     mode: str | None = None
     at: float | None = None
@@ -87,16 +122,27 @@ class Config:
     pipeline: Any = None
     verify: Any = None
     record: Any = None
+    experiment: Any = None
     seed: int = 0
     outputs: str = "outputs"
     debug: bool = False
 
 
+def run_folder(outputs: str, stamp: str, *, _root_: Any) -> str:
+    """Where a run goes: a task's by robot, an experiment's by name, or where one that is resumed began."""
+    choices, experiment = _root_.hydra.runtime.choices, _root_.experiment
+    if experiment is None:
+        return str(Path(outputs, _root_.robot.name, choices.task, stamp))
+    return str(experiment.get("resume") or Path(outputs, "experiments", choices.experiment, stamp))
+
+
 def register(robots: Mapping[str, str]) -> None:
     """Tell Hydra the schema, and every robot (name → assembly file) as an option of group ``robot``."""
     from hydra.core.config_store import ConfigStore
+    from omegaconf import OmegaConf
 
     store = ConfigStore.instance()
     store.store(name="schema", node=Config)
+    OmegaConf.register_new_resolver("run_folder", run_folder, replace=True)
     for name, file in robots.items():
         store.store(group="robot", name=name, node={"name": name, "file": file})

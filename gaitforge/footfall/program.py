@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,7 @@ from numpy.typing import NDArray
 from gaitforge.footfall.problem import FootfallProblem
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(NamedTuple):
     """lower ≤ Σ coefficient · variable ≤ upper; None leaves a side open."""
 
     terms: tuple[tuple[int, int], ...]
@@ -48,18 +48,15 @@ class Program:
     exact: bool = True
     """Whether every C has one value of all other variables, which listing needs; without it x and y are only
     bounded from below, which is enough to minimise Σ y and makes a much smaller program."""
+    boundaries: tuple[tuple[int, int], ...] = field(init=False)
+    """Neighbouring columns (j, j + 1): m − 1 of them, and in a cyclic program the wrap (m − 1, 0) as well."""
 
     def __post_init__(self) -> None:
         n, m = len(self.problem.limbs), self.problem.columns
+        inner = tuple((j, j + 1) for j in range(m - 1))
+        self.boundaries = (*inner, (m - 1, 0)) if self.problem.cyclic else inner
         self.bounds = [(0, 1)] * (n * m)
         self._count_changes()
-
-    @property
-    def boundaries(self) -> tuple[tuple[int, int], ...]:
-        """Neighbouring columns (j, j + 1): m − 1 of them, and in a cyclic program the wrap (m − 1, 0) as well."""
-        m = self.problem.columns
-        inner = tuple((j, j + 1) for j in range(m - 1))
-        return (*inner, (m - 1, 0)) if self.problem.cyclic else inner
 
     def contact(self, limb: int, column: int) -> int:
         """Variable C_ij; in a cyclic program columns wrap."""
@@ -112,10 +109,10 @@ class Program:
         columns: tuple[int, ...] = (),
     ) -> None:
         """At least one of the 0/1 variables `true` is 1, or one of `false` is 0."""
-        positive, negative = dict.fromkeys(true, 1), dict.fromkeys(false, -1)
-        if not positive.keys().isdisjoint(negative):
+        positive, negative = set(true), set(false)
+        if not positive.isdisjoint(negative):
             return  # always so: a window that wraps onto itself
-        terms = (*sorted(positive.items()), *sorted(negative.items()))
+        terms = (*[(v, 1) for v in sorted(positive)], *[(v, -1) for v in sorted(negative)])
         self.rows.append(Row(terms, 1 - len(negative), None, family, limbs, columns))
 
     def _count_changes(self) -> None:

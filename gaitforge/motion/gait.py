@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +13,15 @@ from numpy.typing import NDArray
 from gaitforge.errors import InputError, Problem
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.aim import aim_joints
+from gaitforge.motion.duration import load_of, shortest
 from gaitforge.motion.options import MotionOptions
-from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.plan import Command, MotionPlan, Stance
 from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
+from gaitforge.motion.stance import Posture, commanded_stance
 from gaitforge.motion.trajectory import Discretisation, Guess, planar_motion
 from gaitforge.robot.model import RobotModel
+from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Failed, Held, Role, Tool
 
 Array = NDArray[np.float64]
@@ -30,45 +34,61 @@ def plan_gait(
     speed: float | None = None,
     heading: float = 0.0,
     yaw_rate: float = 0.0,
-    duration: float | None = None,
+    body_height: float | None = None,
+    roll: float = 0.0,
+    pitch: float = 0.0,
+    step_height: float | None = None,
+    posture: Posture | None = None,
+    duration: float | Literal["auto"] | None = None,
     samples_per_column: int | None = None,
     roles: Mapping[str, Role] | None = None,
     postures: Mapping[str, Array] | None = None,
     expected_base: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    step_height: float | None = None,
+    loads: Sequence[Load] | None = None,
     name: str = "gait",
     options: MotionOptions | None = None,
 ) -> MotionPlan:
     """A periodic motion plan P for the pattern.
 
-    `speed` [m/s], `heading` [rad] of the velocity in the body frame, `yaw_rate` [rad/s], `duration`
-    [s] of one cycle; None takes the robot's nominal value.  `samples_per_column`: r, kept as it is
+    `speed` [m/s], `heading` [rad] of the velocity in the body frame, `yaw_rate` [rad/s]; `body_height`
+    [m], `roll` and `pitch` [rad] in the mean, `step_height` [m], `posture`: how the limbs that walk stand,
+    by a name of the robot's or limb name → joints [rad]; `duration` [s] of one cycle, or ``auto``:
+    the shortest with joint speeds and torques below their `speed_share` and `effort_share`.  None takes
+    the robot's nominal value.  `samples_per_column`: r, kept as it is
     when given; None begins with two and lets refinement take more.  `roles`: limb or tool name → what a limb
     that does not walk is for; `postures`: limb name → its joint positions (n,) [rad] (where a failed
     limb is locked, say), by default the held posture, and for a tool limb that looks at a point the
     one that does so from `expected_base`: x, y [m] and yaw [rad] of the base in the target's frame
-    in the middle of this gait.
+    in the middle of this gait.  `loads`: what the robot carries, which
+    counts in the centre of mass; None: what `robot` carries already.
     Raises `InputError` for unknown limbs, `InfeasibleMotion` with a geometric certificate, and
     `UnsolvedError` when the optimiser finds no plan, saying which family, limb and sample resist.
     """
-    from gaitforge.motion.limits import refuse_impossible_speed
+    from gaitforge.motion.limits import refuse_impossible_speed, refuse_impossible_stance
 
+    robot = robot if loads is None else robot.carrying(*loads)
     options = options or MotionOptions()
-    if step_height is not None:
-        options = replace(options, step_height=step_height)
     if samples_per_column is not None:  # asked for by name: no other grid
         options = replace(options, samples_per_column=samples_per_column, finest=samples_per_column)
     nominal = robot.nominal
-    command = Command(nominal.speed if speed is None else speed, heading, yaw_rate)
-    seconds = nominal.duration if duration is None else duration
-    grid = Discretisation(pattern, options.samples_per_column, seconds, command)
-    refuse_impossible_speed(robot, grid)
+    speed = nominal.speed if speed is None else speed
+    command = Command(speed, heading, yaw_rate, body_height, roll, pitch, step_height)
+    stance = commanded_stance(robot, command, posture)
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     named = {robot.limb(limb).name: role for limb, role in (roles or {}).items()}
     given = {**_mean_aims(robot, named, expected_base), **(postures or {})}
-    fixed = resting_joints(robot, walking, named, given)
-    segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, fixed), named)
-    return solve_refined(segment, options)
+    fixed = resting_joints(robot, stance, walking, named, given)
+
+    def plan_at(seconds: float) -> MotionPlan:
+        grid = Discretisation(pattern, options.samples_per_column, seconds, command, stance=stance)
+        refuse_impossible_speed(robot, grid)
+        refuse_impossible_stance(robot, grid, options)
+        segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, stance, fixed), named)
+        return solve_refined(segment, options)
+
+    if duration == "auto":
+        return shortest(nominal.duration, plan_at, partial(load_of, options))
+    return plan_at(nominal.duration if duration is None else duration)
 
 
 def _mean_aims(
@@ -93,10 +113,14 @@ def _mean_aims(
 
 
 def resting_joints(
-    robot: RobotModel, walking: tuple[int, ...], roles: Mapping[str, Role], postures: Mapping[str, Array]
+    robot: RobotModel,
+    stance: Stance,
+    walking: tuple[int, ...],
+    roles: Mapping[str, Role],
+    postures: Mapping[str, Array],
 ) -> Array:
-    """(n_J,) nominal posture for limbs that walk, what they keep for the others."""
-    joints = np.array(robot.nominal.posture, dtype=float)
+    """(n_J,) the commanded stance for limbs that walk, what they keep for the others."""
+    joints = np.array(stance.joints, dtype=float)
     for i, limb in enumerate(robot.limbs):
         if i in walking:
             continue
@@ -110,12 +134,12 @@ def resting_joints(
     return joints
 
 
-def _guess(robot: RobotModel, joints: Array, grid: Discretisation) -> Guess:
-    """Nominal posture, feet sweeping back through their nominal places while in stance."""
+def _guess(robot: RobotModel, stance: Stance, joints: Array, grid: Discretisation) -> Guess:
+    """The commanded stance, feet sweeping back through their places in it while on the ground."""
     count = grid.samples
     base = np.zeros((count, 6))
-    base[:, 2] = robot.nominal.body_height
-    feet = np.tile(robot.foot_positions(base[0], robot.nominal.posture), (count, 1, 1))
+    base[:, 2:5] = stance.body
+    feet = np.tile(robot.foot_positions(base[0], stance.joints), (count, 1, 1))
     for i in range(feet.shape[1]):
         late = _stance_progress(grid.contact[:, i])
         for k in range(count):

@@ -101,7 +101,7 @@ def _stand(
     low = 0.3 * (robot.nominal.step_height if options.step_height is None else options.step_height)
     return solve_refined(
         segment,
-        replace(options, step_height=low, stability_shares=SHARES, families=(*options.families, *families)),
+        replace(options, step_height=low, stability_shares=SHARES, constraints=(*options.constraints, *families)),
     )
 
 

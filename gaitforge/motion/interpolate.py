@@ -49,6 +49,7 @@ def interpolate(robot: RobotModel, before: MotionPlan, after: MotionPlan, name: 
         weights=np.zeros((intervals + 1, 2, len(limbs))),
         command=command,
         roles=dict(after.roles),
+        loads=robot.loads,
         joint_velocity_ends=np.array(rates) + change,
         base_velocity_ends=base_rates,
         report=SolveReport("Interpolated", 0, time.perf_counter() - begin),

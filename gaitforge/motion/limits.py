@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gaitforge.errors import InfeasibleMotion
+from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.trajectory import Discretisation
 from gaitforge.robot.kinematics import JOINT_PARAMETERS, limb_parameters
 from gaitforge.robot.limbs import Limb
@@ -60,5 +61,32 @@ def refuse_impossible_speed(robot: RobotModel, grid: Discretisation) -> None:
                     "families": ["joint_speed" if needed > possible else "reach"],
                     "limbs": [limb.name],
                     "advice": f"walk slower than {limit:.2f} m/s, or change the pattern or the duration",
+                },
+            )
+
+
+def refuse_impossible_stance(robot: RobotModel, grid: Discretisation, options: MotionOptions) -> None:
+    """Raise `InfeasibleMotion` when a limb that walks cannot reach the ground at the commanded body height.
+
+    A foot is at most the sum of its links below the first joint, whatever the joints do; the body may be
+    `height_range` lower than commanded and `tilt_limit` off its commanded tilt.
+    """
+    body = grid.stances(robot).body[0]
+    tilt = float(np.abs(body[1:]).sum()) + 2.0 * options.tilt_limit
+    for limb, row in zip(robot.limbs, grid.pattern.contact, strict=True):
+        if not row.any():
+            continue
+        hip = limb_parameters(robot, limb)[9:12]
+        lowest = body[0] - options.height_range + hip[2] - float(np.linalg.norm(hip)) * min(1.0, tilt)
+        down = 0.5 * longest_reach(robot, limb) + limb.foot.radius
+        if lowest > down:
+            limit = body[0] - (lowest - down)
+            raise InfeasibleMotion(
+                f"a body height of {body[0]:.3g} m is impossible: limb {limb.name} reaches {down:.2f} m down from its "
+                f"first joint, which is at least {lowest:.2f} m above the ground",
+                {
+                    "families": ["reach"],
+                    "limbs": [limb.name],
+                    "advice": f"command a body height below {limit:.2f} m",
                 },
             )

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
-from gaitforge.motion.costs.body import Body
-from gaitforge.motion.costs.posture import Posture
-from gaitforge.motion.costs.sharing import Sharing
-from gaitforge.motion.costs.smoothness import Smoothness
+from gaitforge.motion.constraints import default_constraints
+from gaitforge.motion.costs import default_costs
 from gaitforge.motion.family import Family
 from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import MotionSolver
+
+F = TypeVar("F", bound=Family)
 
 
 @dataclass(frozen=True)
@@ -23,8 +25,6 @@ class MotionOptions:
     """[m]; None: the robot's own"""
     stability_shares: tuple[float, ...] = (0.5, 0.3)
     """The CoP stays in the support polygon shrunk by this share towards its centroid; tried in this order."""
-    progress_share: float = 0.98
-    """A transition covers at least this share of the commanded travel."""
     tilt_limit: float = 0.15
     """[rad] roll and pitch"""
     height_range: float = 0.04
@@ -35,6 +35,8 @@ class MotionOptions:
     """[m] kept between bodies of different limbs"""
     speed_share: float = 0.9
     """Share of a joint's speed limit that the spline may use."""
+    effort_share: float = 0.8
+    """Share of a joint's effort limit that a cycle of duration *auto* may use (quasi-static torques)."""
     ground_tolerance: float = 0.6e-3
     """[m] how deep the spline may push a foot below the ground between samples: stiff limbs answer by
     rocking on few feet and by sliding on many; a finer grid is the remedy"""
@@ -46,17 +48,29 @@ class MotionOptions:
     """How often a plan is refined when its spline misses a bound between samples."""
     stability_share: float = 0.5
     """The share in force, one of `stability_shares`."""
-    smoothness: Smoothness = field(default_factory=Smoothness)
-    posture: Posture = field(default_factory=Posture)
-    body: Body = field(default_factory=Body)
-    sharing: Sharing = field(default_factory=Sharing)
-    swing_weight: float = 100.0
-    """per m² s, pull of swinging feet to the smooth height profile"""
-    families: tuple[Family, ...] = ()
-    """Constraint and cost families beyond the project's own, see docs/motion.md."""
+    constraints: tuple[Family, ...] = field(default_factory=default_constraints)
+    """Constraint families, in any order; refinement adds joint speeds and clearances."""
+    costs: tuple[Family, ...] = field(default_factory=default_costs)
+    """Cost families."""
+    table: bool = False
+    """Whether reports say what the problem consists of (`motion.table`)."""
     solver: MotionSolver = field(default_factory=Ipopt)
 
     def __post_init__(self) -> None:
-        for family in self.families:
-            if not isinstance(family, Family):
-                raise TypeError(f"families: found {type(family).__name__}, expected a constraint or cost family")
+        for key in ("constraints", "costs"):
+            for family in getattr(self, key):
+                if not isinstance(family, Family):
+                    raise TypeError(f"{key}: found {type(family).__name__}, expected a constraint or cost family")
+
+    @property
+    def families(self) -> tuple[Family, ...]:
+        """All families of the problem."""
+        return (*self.constraints, *self.costs)
+
+    def changed(self, kind: type[F], change: Callable[[F], F]) -> MotionOptions:
+        """The same options with every family of a kind replaced by `change(family)`."""
+
+        def after(families: tuple[Family, ...]) -> tuple[Family, ...]:
+            return tuple(change(f) if isinstance(f, kind) else f for f in families)
+
+        return replace(self, constraints=after(self.constraints), costs=after(self.costs))

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.holding import Holding
+from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Role
+
+if TYPE_CHECKING:
+    from gaitforge.motion.table import TableRow
 
 Array = NDArray[np.float64]
 Kind = Literal["gait", "transition", "stand"]
@@ -28,6 +33,24 @@ class Command:
     """[rad] of the velocity in the body frame, counter-clockwise from ahead"""
     yaw_rate: float = 0.0
     """[rad/s]"""
+    body_height: float | None = None
+    """[m] mean height of base_link above the ground; None: where the posture stands"""
+    roll: float = 0.0
+    """[rad] mean"""
+    pitch: float = 0.0
+    """[rad] mean, nose down is positive"""
+    step_height: float | None = None
+    """[m] how high feet are lifted; None: the options' or the robot's"""
+
+
+@dataclass(frozen=True, eq=False)
+class Stance:
+    """How the robot stands in the mean of a gait: what costs pull to and where the optimiser begins."""
+
+    body: Array
+    """(3,) height [m], roll, pitch [rad] of base_link"""
+    joints: Array
+    """(n_J,) [rad] of limbs that walk"""
 
 
 @dataclass(frozen=True)
@@ -42,6 +65,8 @@ class SolveReport:
     residual: float = 0.0
     """Largest constraint violation at the solution (SI units)."""
     details: Mapping[str, Any] = field(default_factory=dict)
+    table: tuple[TableRow, ...] = ()
+    """What the problem consisted of, when asked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +96,12 @@ class MotionPlan:
     command: Command
     roles: Mapping[str, Role] = field(default_factory=dict)
     """Nonlocomotive limbs and what they do."""
+    loads: tuple[Load, ...] = ()
+    """What the robot carries all along."""
+    holdings: tuple[Holding, ...] = ()
+    """Objects in the robot's grasp, or in its reach."""
+    stance: Stance | None = None
+    """The commanded mean stance of a gait; None: the nominal one."""
     joint_velocity_ends: Array | None = None
     """(2, n_J) clamped end velocities [rad/s]; None in a gait, whose spline is periodic"""
     base_velocity_ends: Array | None = None

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,50 +21,71 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 Builder = Callable[[Any, Any], Any]
+Deriver = Callable[[Any, Any, Any], tuple[Any, Any]]
 
 
-@dataclass(frozen=True)
 class Kernel:
     """A small function r(v, p) with its Jacobian's nonzeros and the Hessian's of λ·r, ready to map."""
 
-    value: Any
-    first: Any
-    """(v, p) → r and the nonzeros of ∂r/∂v"""
-    second: Any
-    """(v, p, λ) → the nonzeros of the upper triangle of ∇² λ·r"""
-    jacobian_rc: tuple[Index, Index]
-    hessian_rc: tuple[Index, Index]
-    sizes: tuple[int, int, int]
-    """(variables, parameters, rows)"""
+    def __init__(self, variables: int, parameters: int, build: Builder, derive: Deriver | None = None) -> None:
+        import casadi as ca
+
+        self._v, self._p = ca.SX.sym("v", variables), ca.SX.sym("p", parameters)
+        self._r: Any = ca.densify(build(self._v, self._p))
+        self.sizes = (variables, parameters, int(self._r.shape[0]))
+        """(variables, parameters, rows)"""
+        self._multiplier = ca.SX.sym("m", self.sizes[2])
+        if derive is None:
+            jacobian: Any = ca.jacobian(self._r, self._v)
+            hessian: Any = ca.triu(ca.hessian(ca.dot(self._multiplier, self._r), self._v)[0])
+        else:
+            first, second = derive(self._v, self._p, self._multiplier)
+            jacobian, hessian = ca.sparsify(first), ca.sparsify(second)
+        self._jacobian, self._hessian = _nonzeros(jacobian), _nonzeros(hessian)
+        self.jacobian_rc: tuple[Index, Index] = _triplets(jacobian)
+        self.hessian_rc: tuple[Index, Index] = _triplets(hessian)
+
+    @cached_property
+    def value(self) -> Any:
+        """(v, p) → r"""
+        return self._function("value", [self._v, self._p], [self._r])
+
+    @cached_property
+    def first(self) -> Any:
+        """(v, p) → r and the nonzeros of ∂r/∂v"""
+        return self._function("first", [self._v, self._p], [self._r, self._jacobian])
+
+    @cached_property
+    def second(self) -> Any:
+        """(v, p, λ) → the nonzeros of the upper triangle of ∇² λ·r"""
+        return self._function("second", [self._v, self._p, self._multiplier], [self._hessian])
+
+    @cached_property
+    def whole(self) -> Any:
+        """(v, p, λ) → r, the nonzeros of ∂r/∂v and those of the upper triangle of ∇² λ·r"""
+        inputs = [self._v, self._p, self._multiplier]
+        return self._function("whole", inputs, [self._r, self._jacobian, self._hessian])
+
+    @staticmethod
+    def _function(name: str, inputs: list[Any], outputs: list[Any]) -> Any:
+        import casadi as ca
+
+        return ca.Function(name, inputs, outputs)
 
 
 _kernels: dict[Any, Kernel] = {}
 
 
-def kernel(key: Any, variables: int, parameters: int, build: Builder) -> Kernel:
-    """Compile `build(v, p)` (CasADi SX column vectors in and out), once per key and process."""
+def kernel(key: Any, variables: int, parameters: int, build: Builder, derive: Deriver | None = None) -> Kernel:
+    """Compile `build(v, p)` (CasADi SX column vectors in and out), once per key and process.
+
+    `derive(v, p, λ)` gives ∂r/∂v and the upper triangle of ∇² λ·r where someone knows them better than
+    automatic differentiation does.
+    """
     full = (key, variables, parameters)
     if full not in _kernels:
-        _kernels[full] = _compile(variables, parameters, build)
+        _kernels[full] = Kernel(variables, parameters, build, derive)
     return _kernels[full]
-
-
-def _compile(variables: int, parameters: int, build: Builder) -> Kernel:
-    import casadi as ca
-
-    v, p = ca.SX.sym("v", variables), ca.SX.sym("p", parameters)
-    r = ca.densify(build(v, p))
-    jacobian = ca.jacobian(r, v)
-    multiplier = ca.SX.sym("m", r.shape[0])
-    hessian = ca.triu(ca.hessian(ca.dot(multiplier, r), v)[0])
-    return Kernel(
-        value=ca.Function("value", [v, p], [r]),
-        first=ca.Function("first", [v, p], [r, _nonzeros(jacobian)]),
-        second=ca.Function("second", [v, p, multiplier], [_nonzeros(hessian)]),
-        jacobian_rc=_triplets(jacobian),
-        hessian_rc=_triplets(hessian),
-        sizes=(variables, parameters, int(r.shape[0])),
-    )
 
 
 def _nonzeros(matrix: Any) -> Any:
@@ -181,9 +203,9 @@ class Problem:
                 np.add.at(values, term.rows, np.array(out).T)
         return values
 
-    def violations(self, x: Array) -> dict[str, tuple[float, Any, str]]:
-        """Per family: the largest violation, the label of its row, the unit."""
-        values = self.constraint_values(x)
+    def violations(self, x: Array, values: Array | None = None) -> dict[str, tuple[float, Any, str]]:
+        """Per family: the largest violation, the label of its row, the unit; `values`: the rows at x if known."""
+        values = self.constraint_values(x) if values is None else values
         worst: dict[str, tuple[float, Any, str]] = {}
         for block in self.rows:
             part = values[block.start : block.start + len(block.lower)]
@@ -196,14 +218,3 @@ class Problem:
         if len(outside):
             worst["bounds"] = (float(outside.max()), int(outside.argmax()), "")
         return worst
-
-    def table(self) -> list[tuple[str, str, int, int]]:
-        """(family, kind, rows, instances) of every family, for people."""
-        entries: dict[tuple[str, str], list[int]] = {}
-        for term in self.terms:
-            kind = "cost" if term.rows is None else "constraint"
-            entry = entries.setdefault((term.family, kind), [0, 0])
-            entry[1] += len(term.variables)
-        for block in self.rows:
-            entries.setdefault((block.family, "constraint"), [0, 0])[0] += len(block.lower)
-        return [(family, kind, rows, places) for (family, kind), (rows, places) in entries.items()]

@@ -12,6 +12,7 @@ from gaitforge.motion.bodies import Closest
 from gaitforge.motion.constraints.clearance import Clearance
 from gaitforge.motion.constraints.joint_speed import JointSpeed
 from gaitforge.motion.dense import DenseReport, check_densely
+from gaitforge.motion.effort import effort_ratios
 from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
@@ -94,12 +95,15 @@ def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
 def _reported(
     segment: Segment, plan: MotionPlan, options: MotionOptions, report: DenseReport, remedies: _Remedies
 ) -> MotionPlan:
+    efforts = effort_ratios(segment.robot, plan)
     details = {
         "refinements": remedies.turns,
         "samples_per_column": plan.samples_per_column,
         "stability_share": options.stability_share,
         **report.as_dict(),
         "zmp_margin_m": float(zero_moment_point(segment.robot, plan).margin.min()),
+        "effort_ratio": max(efforts.values()),
+        "effort_ratios": efforts,
     }
     done = replace(plan.report, seconds=remedies.seconds, iterations=remedies.iterations, details=details)
     deep = report.penetration

@@ -9,14 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.constraints.balance import Balance
-from gaitforge.motion.constraints.kinematics import Kinematics
-from gaitforge.motion.constraints.progress import Progress
-from gaitforge.motion.constraints.rolling import Rolling
-from gaitforge.motion.costs.swing import SwingProfile
 from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
-from gaitforge.motion.plan import Kind, MotionPlan, SolveReport
+from gaitforge.motion.plan import Command, Kind, MotionPlan, SolveReport
 from gaitforge.motion.problem import Problem
 from gaitforge.motion.solvers.solution import Solution
 from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, lay_out, planar_motion
@@ -47,7 +42,7 @@ class Segment:
     def build(self, options: MotionOptions, extra: Sequence[Family] = ()) -> tuple[Problem, Trajectory]:
         """The motion problem with all families, those of the options and `extra` ones last."""
         problem = Problem()
-        height = self.robot.nominal.step_height if options.step_height is None else options.step_height
+        height = step_height(self.robot, self.grid.command, options)
         trajectory = lay_out(
             problem,
             self.robot,
@@ -61,20 +56,7 @@ class Segment:
             height_range=options.height_range,
             joint_margin=options.joint_margin,
         )
-        families: list[Family] = [
-            Kinematics(),
-            Rolling(),
-            Balance(),
-            Progress(share=options.progress_share),
-            options.smoothness,
-            options.posture,
-            options.body,
-            options.sharing,
-            SwingProfile(weight=options.swing_weight, step_height=height),
-            *options.families,
-            *extra,
-        ]
-        for family in families:
+        for family in (*options.families, *extra):
             family.add_to(problem, trajectory)
         return problem, trajectory
 
@@ -85,7 +67,13 @@ class Segment:
         begin = time.perf_counter()
         problem, trajectory = self.build(options, extra)
         solution = options.solver.solve(problem, start)
-        return solution, self._plan(trajectory, solution, time.perf_counter() - begin)
+        plan = self._plan(trajectory, solution, time.perf_counter() - begin)
+        if options.table:
+            from gaitforge.motion.table import problem_table
+
+            table = problem_table(problem, solution.x, (*options.families, *extra))
+            plan = replace(plan, report=replace(plan.report, table=table))
+        return solution, plan
 
     def _plan(self, trajectory: Trajectory, solution: Solution, seconds: float) -> MotionPlan:
         grid, x = self.grid, solution.x
@@ -113,6 +101,8 @@ class Segment:
             weights=_weights(trajectory, x),
             command=grid.command,
             roles=dict(self.roles),
+            loads=self.robot.loads,
+            stance=grid.stance,
             joint_velocity_ends=speeds,
             base_velocity_ends=base_speeds,
             report=SolveReport(
@@ -129,6 +119,12 @@ class Segment:
             poses[k, :2] = x + c * base[k, 0] - s * base[k, 1], y + s * base[k, 0] + c * base[k, 1]
             poses[k, 5] += yaw
         return poses
+
+
+def step_height(robot: RobotModel, command: Command, options: MotionOptions) -> float:
+    """[m] The command's, else the options', else the robot's own."""
+    heights = (command.step_height, options.step_height, robot.nominal.step_height)
+    return next(float(height) for height in heights if height is not None)
 
 
 def _weights(trajectory: Trajectory, x: Array) -> Array:

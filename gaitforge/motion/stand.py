@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from gaitforge.footfall.given import stand_pattern
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.constraints.progress import Progress
+from gaitforge.motion.costs.smoothness import Smoothness
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.refine import solve_refined
-from gaitforge.motion.segment import Segment
+from gaitforge.motion.segment import Segment, step_height
 from gaitforge.motion.state import gait_state, rest_state
 from gaitforge.motion.trajectory import Boundary, Discretisation, Guess
 from gaitforge.robot.model import RobotModel
@@ -22,6 +24,10 @@ Array = NDArray[np.float64]
 COLUMNS = 4
 STEADY = 50.0
 """How much more the acceleration of the base costs in a stand than in a gait."""
+LOW = 0.3
+"""Height of a stand's steps, as a share of the gait's."""
+PROGRESS = 0.7
+"""Share of the way of a steady acceleration that a stand covers at least."""
 
 
 def plan_start(
@@ -39,25 +45,27 @@ def plan_stop(
 
 
 def _plan(robot: RobotModel, gait: MotionPlan, name: str, options: MotionOptions, starting: bool) -> MotionPlan:
-    seconds = options.stand_seconds
+    robot, seconds = robot.carrying(*gait.loads), options.stand_seconds
     moving = gait_state(robot, gait)
     heading = np.array([np.cos(gait.command.heading), np.sin(gait.command.heading)])
     away = 0.5 * gait.command.speed * seconds * heading * (-1.0 if starting else 1.0)
     base = moving.base.copy()
     base[:2] += away
-    rest = rest_state(robot, moving.joints, base)
+    rest = rest_state(robot, moving.joints, base, gait.stance)
     pattern = _pattern(robot, gait, starting)
     # mean speed of a steady acceleration: without it the body swings back before it goes ahead
-    command = Command(0.5 * gait.command.speed, gait.command.heading, 0.0)
+    # feet lifted into a gait's first sample need not go as high as a step
+    low = LOW * step_height(robot, gait.command, options)
+    command = Command(0.5 * gait.command.speed, gait.command.heading, 0.0, step_height=low)
     start, end = (rest, moving) if starting else (moving, rest)
     grid = Discretisation(pattern, options.samples_per_column, seconds, command, start, end)
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     guess = partial(_guess, robot, moving)
     segment = Segment(name, "stand", robot, grid, walking, moving.joints, guess, dict(gait.roles))
     # a steady acceleration: with a gait's light weight on it the body goes ahead, waits and goes again
-    steady = replace(options.smoothness, position=STEADY * options.smoothness.position)
-    low = _low_steps(robot, options)
-    return solve_refined(segment, replace(options, smoothness=steady, step_height=low, progress_share=0.7))
+    steady = options.changed(Smoothness, lambda cost: replace(cost, position=STEADY * cost.position))
+    steady = steady.changed(Progress, lambda family: replace(family, share=PROGRESS))
+    return solve_refined(segment, steady)
 
 
 def _guess(robot: RobotModel, moving: Boundary, grid: Discretisation) -> Guess:
@@ -71,11 +79,6 @@ def _guess(robot: RobotModel, moving: Boundary, grid: Discretisation) -> Guess:
     for i, limb in enumerate(robot.limbs):
         feet[grid.ground[:, i], i, 2] = limb.foot.radius
     return Guess(poses, np.tile(moving.joints, (grid.samples, 1)), feet)
-
-
-def _low_steps(robot: RobotModel, options: MotionOptions) -> float:
-    """Feet lifted into a gait's first sample need not go as high as a step."""
-    return 0.3 * (robot.nominal.step_height if options.step_height is None else options.step_height)
 
 
 def _pattern(robot: RobotModel, gait: MotionPlan, starting: bool) -> FootfallPattern:

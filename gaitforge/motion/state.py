@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.plan import MotionPlan, Stance
 from gaitforge.motion.trajectory import Boundary
 from gaitforge.robot.model import RobotModel
 
@@ -23,7 +23,8 @@ def gait_state(robot: RobotModel, gait: MotionPlan, yaw: float = 0.0) -> Boundar
         vector[:2] = turn @ vector[:2]
     base[5] += yaw
     ground = gait.pattern.contact[:, 0] | gait.pattern.contact[:, -1]
-    return Boundary(gait.joint_positions[:, 0].copy(), np.array(gait.joint_spline(0.0, 1)), base, velocity, com, ground)
+    joints, rates = gait.joint_positions[:, 0].copy(), np.array(gait.joint_spline(0.0, 1))
+    return Boundary(joints, rates, base, velocity, com, ground, stance=gait.stance)
 
 
 def end_state(robot: RobotModel, plan: MotionPlan, stopped: bool = False) -> Boundary:
@@ -56,7 +57,7 @@ def com_velocity(robot: RobotModel, plan: MotionPlan, t: float) -> Array:
     return np.array(data.vcom[0])
 
 
-def rest_state(robot: RobotModel, joints: Array, base: Array) -> Boundary:
+def rest_state(robot: RobotModel, joints: Array, base: Array, stance: Stance | None = None) -> Boundary:
     """Standing still, in a pose that the optimiser chooses near the given one."""
     nowhere = np.zeros(len(robot.limbs), dtype=bool)
-    return Boundary(joints, np.zeros(len(joints)), base, np.zeros(6), np.zeros(3), nowhere, rest=True)
+    return Boundary(joints, np.zeros(len(joints)), base, np.zeros(6), np.zeros(3), nowhere, rest=True, stance=stance)

@@ -7,12 +7,13 @@ one and turning needs no special case; a transition or a stand is written in the
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.plan import Command
+from gaitforge.motion.plan import Command, Stance
 from gaitforge.motion.problem import Problem
 from gaitforge.robot.kinematics import base_body, evaluate_limb, limb_parameters
 from gaitforge.robot.model import RobotModel
@@ -39,6 +40,8 @@ class Boundary:
     ground: Bools
     """(n_F,) feet that are on the ground here, seen from across the seam"""
     rest: bool = False
+    stance: Stance | None = None
+    """The mean stance of the gait on this side; None: the nominal one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,33 +55,47 @@ class Discretisation:
     command: Command
     start: Boundary | None = None
     end: Boundary | None = None
+    stance: Stance | None = None
+    """The mean stance of a gait; None: the nominal one."""
 
-    @property
+    def stances(self, robot: RobotModel) -> Stance:
+        """Body (K, 3) and joints (K, n_J) of the commanded stance; between two gaits evenly from one to the other."""
+        own = Stance(np.array([robot.nominal.body_height, 0.0, 0.0]), np.asarray(robot.nominal.posture))
+        if self.cyclic or self.start is None or self.end is None:
+            first = last = self.stance or own
+        else:
+            first, last = self.start.stance or own, self.end.stance or own
+        share = np.linspace(0.0, 1.0, self.samples)[:, None]
+        return Stance(
+            first.body + share * (last.body - first.body), first.joints + share * (last.joints - first.joints)
+        )
+
+    @cached_property
     def cyclic(self) -> bool:
         """A gait: the last sample is the first."""
         return self.pattern.cyclic
 
-    @property
+    @cached_property
     def intervals(self) -> int:
         """N"""
         return self.pattern.columns * self.samples_per_column
 
-    @property
+    @cached_property
     def samples(self) -> int:
         """K: unknown samples, N in a gait and N + 1 elsewhere."""
         return self.intervals if self.cyclic else self.intervals + 1
 
-    @property
+    @cached_property
     def dt(self) -> float:
         """[s]"""
         return self.duration / self.intervals
 
-    @property
+    @cached_property
     def contact(self) -> Bools:
         """(N, n_F) contact held over each interval."""
         return np.repeat(self.pattern.contact.T, self.samples_per_column, axis=0)
 
-    @property
+    @cached_property
     def ground(self) -> Bools:
         """(K, n_F) on the ground at each sample: in stance in the interval before or after it."""
         held = self.contact
@@ -92,7 +109,7 @@ class Discretisation:
                 ground[at] |= end.ground
         return ground
 
-    @property
+    @cached_property
     def step(self) -> Array:
         """(3,) x, y [m], yaw [rad]: motion of the commanded frame over one interval (zero outside gaits)."""
         if not self.cyclic:
@@ -114,21 +131,29 @@ class Discretisation:
             return np.array([2.0, -2.0, 0.0]) / h**2, 0.0, 2.0 / h
         return np.array([1.0, -2.0, 1.0]) / h**2, 0.0, 0.0
 
+    def accelerations(self, start: Array, end: Array) -> tuple[Array, Array]:
+        """(K, 3) coefficients of the samples before, at and after each, (K, n) what velocities at open ends add."""
+        coefficients = np.tile(np.array([1.0, -2.0, 1.0]) / self.dt**2, (self.samples, 1))
+        added = np.zeros((self.samples, len(start)))
+        for k in () if self.cyclic else (0, self.samples - 1):
+            coefficients[k] = self.acceleration(k)[0]
+            added[k] = self.end_velocity_terms(k, start, end)
+        return coefficients, added
+
     def end_velocity_terms(self, k: int, start: Array, end: Array) -> Array:
         """What the velocities at open ends contribute to the acceleration at sample k."""
         _, from_start, from_end = self.acceleration(k)
         return from_start * start + from_end * end
 
+    @cached_property
     def from_ground(self) -> NDArray[np.float64]:
         """(K, n_F) number of samples to the nearest ground sample (inf when there is none)."""
-        ground, count = self.ground, self.samples
-        distance = np.full(ground.shape, np.inf)
-        order = np.arange(count)
-        for i in range(ground.shape[1]):
-            for g in np.flatnonzero(ground[:, i]):
-                gap = np.abs(order - g)
-                distance[:, i] = np.minimum(distance[:, i], np.minimum(gap, count - gap) if self.cyclic else gap)
-        return distance
+        order = np.arange(self.samples)
+        gap = np.abs(order[:, None] - order)
+        if self.cyclic:
+            gap = np.minimum(gap, self.samples - gap)
+        away = np.where(self.ground.T[:, None, :], gap, np.inf)  # (n_F, K, ground sample)
+        return np.asarray(away.min(axis=2).T)
 
 
 def smooth_step(share: Array | float) -> Array:
@@ -171,6 +196,10 @@ class Trajectory:
     base_mass: float = 0.0
     base_moment: Array = field(default_factory=lambda: np.zeros(3))
     """(3,) first moment of the base with all limbs that do not move [kg m]"""
+    stance: Stance = field(kw_only=True)
+    """body (K, 3), joints (K, n_J): the commanded mean stance"""
+    step_height: float = field(kw_only=True)
+    """[m]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +231,8 @@ def lay_out(
     count = grid.samples
     parameters = {i: limb_parameters(robot, limb) for i, limb in enumerate(robot.limbs)}
     mass, moment = _lumped(robot, moving, fixed_joints, parameters)
-    base = problem.add_variables(guess.base, *_base_bounds(grid, guess, tilt, height_range))
+    stance = grid.stances(robot)
+    base = problem.add_variables(guess.base, *_base_bounds(grid, guess, stance, tilt, height_range))
     com_guess = np.array([robot.center_of_mass(b, q) for b, q in zip(guess.base[:1], guess.joints[:1], strict=True)])
     com = problem.add_variables(com_guess + guess.base[:, :3] - guess.base[:1, :3], -np.inf, np.inf)
     joints, feet = {}, {}
@@ -217,7 +247,10 @@ def lay_out(
         joints[i] = problem.add_variables(start, low, high)
         feet[i] = problem.add_variables(guess.feet[:, i], *_foot_bounds(robot, grid, i, step_height))
     weights = _add_weights(problem, grid, minimum_weight)
-    return Trajectory(robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment)
+    return Trajectory(
+        robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment,
+        stance=stance, step_height=step_height,
+    )  # fmt: skip
 
 
 def _lumped(
@@ -230,10 +263,12 @@ def _lumped(
     return mass, moment
 
 
-def _base_bounds(grid: Discretisation, guess: Guess, tilt: float, height_range: float) -> tuple[Array, Array]:
+def _base_bounds(
+    grid: Discretisation, guess: Guess, stance: Stance, tilt: float, height_range: float
+) -> tuple[Array, Array]:
     low, high = np.full(guess.base.shape, -np.inf), np.full(guess.base.shape, np.inf)
     low[:, 2], high[:, 2] = guess.base[:, 2] - height_range, guess.base[:, 2] + height_range
-    low[:, 3:5], high[:, 3:5] = -tilt, tilt
+    low[:, 3:5], high[:, 3:5] = stance.body[:, 1:] - tilt, stance.body[:, 1:] + tilt
     low[:, 5], high[:, 5] = guess.base[:, 5] - 0.5, guess.base[:, 5] + 0.5
     if grid.cyclic:
         low[0, :2] = high[0, :2] = guess.base[0, :2]  # the gauge: where the gait begins does not matter
@@ -248,7 +283,7 @@ def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height
     """Sphere centre at its radius on the ground, at least the step height away from it; ends are free."""
     radius = robot.limbs[limb].foot.radius
     low, high = np.full((grid.samples, 3), -np.inf), np.full((grid.samples, 3), np.inf)
-    away = np.minimum(1.0, grid.from_ground()[:, limb] / grid.samples_per_column)
+    away = np.minimum(1.0, grid.from_ground[:, limb] / grid.samples_per_column)
     low[:, 2] = radius + step_height * smooth_step(away)
     ground = grid.ground[:, limb]
     high[ground, 2] = low[ground, 2] = radius

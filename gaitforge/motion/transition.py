@@ -41,11 +41,13 @@ def plan_transition(
     `before` may be a stand too, which is left from where it ends.
 
     Joint positions and velocities are continuous at both ends by construction (the spline is clamped
-    to the gaits' end velocities); the body covers at least `options.progress_share` of the mean
+    to the gaits' end velocities); the body covers at least the `progress` family's share of the mean
     commanded travel.  `pattern`: the transition's C (synthesised when None), `column_s` [s] its time
-    per column.  `method="interpolate"` is equation (3) of the paper, without any optimisation.
+    per column.  `method="interpolate"` is equation (3) of the paper, without any optimisation.  The robot
+    carries what it carries in gait `before`.
     Raises `UnsolvedError` when the optimiser finds no plan.
     """
+    robot = robot.carrying(*before.loads)
     if method == "interpolate":
         return interpolate(robot, before, after, name)
     options = options or MotionOptions()
@@ -68,11 +70,13 @@ def plan_transition(
 
 
 def mean_command(a: Command, b: Command) -> Command:
-    """The command half-way between two: mean velocity vector, mean yaw rate."""
+    """The command half-way between two: mean velocity vector, mean yaw rate; the higher steps of both."""
     va, vb = (c.speed * np.array([np.cos(c.heading), np.sin(c.heading)]) for c in (a, b))
     mean = 0.5 * (va + vb)
     heading = float(np.arctan2(mean[1], mean[0])) if np.linalg.norm(mean) > 0 else a.heading
-    return Command(float(np.linalg.norm(mean)), heading, 0.5 * (a.yaw_rate + b.yaw_rate))
+    steps = [c.step_height for c in (a, b) if c.step_height is not None]
+    rate = 0.5 * (a.yaw_rate + b.yaw_rate)
+    return Command(float(np.linalg.norm(mean)), heading, rate, step_height=max(steps, default=None))
 
 
 def _moving(robot: RobotModel, pattern: FootfallPattern, start: Boundary, end: Boundary) -> tuple[int, ...]:

@@ -31,6 +31,7 @@ def zero_moment_point(robot: RobotModel, plan: MotionPlan, per_interval: int = 4
     """ZMP at `per_interval` times an interval (at their middles, away from contact changes)."""
     import pinocchio
 
+    robot = robot.carrying(*plan.loads)
     intervals = len(plan.times) - 1
     times = (np.arange(intervals * per_interval) + 0.5) * plan.duration / (intervals * per_interval)
     q, dq, ddq = (plan.joint_spline(times, k) for k in range(3))

@@ -59,6 +59,6 @@ def kept_clear(robot: RobotModel, roles: Mapping[str, Failed], options: Options)
     from gaitforge.motion.options import MotionOptions
 
     motion = options.motion or MotionOptions()
-    others = tuple(f for f in motion.families if not isinstance(f, OffGround))
+    others = tuple(f for f in motion.constraints if not isinstance(f, OffGround))
     clear = OffGround(foot_points(robot, tuple(roles), robot.nominal.held_posture), CLEAR_M)
-    return replace(options, motion=replace(motion, families=(*others, clear)), transition="optimise")
+    return replace(options, motion=replace(motion, constraints=(*others, clear)), transition="optimise")

@@ -41,6 +41,28 @@ def at_speed(task: Task, span: range, share: float, robot: RobotModel) -> Task:
     return replace(task, phases=tuple(phases))
 
 
+def refuse_hopeless(robot: RobotModel, task: Task, options: Options) -> None:
+    """Raise `InfeasibleFootfall` when no pattern at all can walk with the limbs that some failure leaves.
+
+    Only the families that know nothing of geometry are asked (not g11): what clashes among them clashes wherever
+    the limbs are stuck, so the proof needs no plan of what comes before.
+    """
+    from gaitforge.footfall.constraints import SupportSectors, with_problem_families
+    from gaitforge.footfall.synthesis import gait_pattern_candidates
+
+    families = with_problem_families(options.footfall.get("constraints"))
+    timeless = tuple(f for f in families if not isinstance(f, SupportSectors))
+    asked: dict[str, Any] = {**options.footfall, "constraints": timeless}
+    lost: set[str] = set()
+    for phase in task.phases:
+        if lost and phase.gait in ("auto", "program"):
+            free = lost | set(nonlocomotive(robot, phase, task.scene))
+            walking = [n for n in robot.limb_names if n not in free]
+            columns = robot.nominal.columns if phase.columns is None else phase.columns
+            gait_pattern_candidates(robot, locomotive=walking, columns=columns, limit=1, **asked)
+        lost.update(phase.failure.limbs if phase.failure is not None else ())
+
+
 def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwatch, done: list[Segment]) -> Damage:
     """What follows a failure, added to `done`: the rest of the walk, the halt, and a stand clear of what failed.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Literal, cast
 
 from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
@@ -50,6 +50,7 @@ def plan_phase(
     optimiser in batches; of the first batch in which any has a plan, the cheapest is taken.
     Raises `InfeasibleFootfall` or `InfeasibleMotion` with a proof, `UnsolvedError` when every candidate failed.
     """
+    robot = robot.carrying(*phase.loads)  # footholds and body are placed for what is carried, too
     roles = nonlocomotive(robot, phase, scene)
     workers = workers or Workers()
     attempts: list[Attempt] = []
@@ -76,10 +77,14 @@ def _try(
 ) -> Try:  # fmt: skip
     speed = robot.nominal.speed if phase.speed is None else phase.speed
     duration = _duration(robot, phase, pattern)
-    refuse_impossible_speed(robot, pattern.locomotive, speed, duration)
-    what = f"{pattern.source} pattern, {pattern.columns} columns, {duration:.2f} s"
+    if duration != "auto":
+        refuse_impossible_speed(robot, pattern.locomotive, speed, duration)
+    seconds = "auto" if duration == "auto" else f"{duration:.2f} s"
+    what = f"{pattern.source} pattern, {pattern.columns} columns, {seconds}"
     named = {
         "speed": speed, "heading": phase.heading, "yaw_rate": phase.yaw_rate, "duration": duration, "roles": roles,
+        "body_height": phase.body_height, "roll": phase.roll, "pitch": phase.pitch, "posture": phase.posture,
+        "step_height": phase.step_height,
         "expected_base": expected_base, "name": phase.name, "options": options.motion,
     }  # fmt: skip
     return Try(what, "gait", robot, (pattern,), named)
@@ -95,7 +100,7 @@ def _give_up(phase: Phase, attempts: list[Attempt], refusals: list[InfeasibleMot
     )
 
 
-def _duration(robot: RobotModel, phase: Phase, pattern: FootfallPattern) -> float:
+def _duration(robot: RobotModel, phase: Phase, pattern: FootfallPattern) -> float | Literal["auto"]:
     """[s] A pattern with more columns than nominal (a wave) keeps the time of a column, not of a cycle."""
     if phase.duration is not None:
         return phase.duration

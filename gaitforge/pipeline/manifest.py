@@ -36,7 +36,7 @@ def manifest(config: Mapping[str, Any], urdf: str, seed: int) -> dict[str, Any]:
         "platform": platform.platform(),
         "processors": os.cpu_count(),
         "threads": {name: os.environ.get(name) for name in THREADS},
-        "versions": {name: _version(name) for name in PACKAGES},
+        "versions": versions(),
     }
 
 
@@ -62,6 +62,11 @@ def git_commit(folder: Path) -> str | None:
 def _git(folder: Path, *arguments: str) -> str:
     done = subprocess.run(["git", *arguments], cwd=folder, capture_output=True, text=True, timeout=5, check=True)
     return done.stdout.strip()
+
+
+def versions() -> dict[str, str | None]:
+    """Package → version; None for one that is not installed."""
+    return {name: _version(name) for name in PACKAGES}
 
 
 def _version(name: str) -> str | None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.damage import Damage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
@@ -39,7 +39,7 @@ def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Worke
         return []
     with watch.stage("motion"):
         start = plan_start(now.robot, gait, name=f"{gait.name}_start", options=now.options.motion)
-    at_rest = replace(start, command=Command())
+    at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
     if len(gait.pattern.locomotive) <= MOST:
         return [_settled(now, now.stand, at_rest, watch), Segment(start)]
     search = replace(now.options.search, transition_phases="seam")
@@ -99,7 +99,7 @@ def _while_held(now: Damage) -> Options:
     motion = now.options.motion or MotionOptions()
     families = [
         replace(f, points=tuple(p for p in f.points if p[0] not in now.held)) if isinstance(f, OffGround) else f
-        for f in motion.families
+        for f in motion.constraints
     ]
-    held = replace(motion, families=(*families, Locked(limbs=now.held)), step_height=LOW_M)
+    held = replace(motion, constraints=(*families, Locked(limbs=now.held)), step_height=LOW_M)
     return replace(now.options, motion=held)

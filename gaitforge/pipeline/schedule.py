@@ -13,6 +13,7 @@ from gaitforge.motion.trajectory import planar_motion
 from gaitforge.pipeline.damage import Damage
 from gaitforge.pipeline.failures import at_speed, plan_failure, refuse_hopeless, stretches
 from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
+from gaitforge.pipeline.handling import carriage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.restart import plan_restart
 from gaitforge.pipeline.segment import Attempt, Segment
@@ -29,19 +30,22 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
     `done` is filled as far as planning came when an error leaves this function, so that the summary of
     a run without a solution shows what there was.
     """
-    refuse_hopeless(robot, task, options)
-    now, ends = Damage(robot, options), []
+    with watch.stage("motion"):
+        load = carriage(robot, task)
+    walk = load.walk
+    refuse_hopeless(load.robot, walk, options)
+    now, ends = Damage(load.robot, options), list[MotionPlan]()
     with Workers(options.search.workers) as workers:
-        for span in stretches(task):
-            gaits = _plan_stretch(now, task, span, watch, done, workers)
+        for span in stretches(walk):
+            gaits = _plan_stretch(now, walk, span, watch, done, workers)
             ends += [gaits[0].plan, gaits[-1].plan]
-            failure = task.phases[span[-1]].failure
+            failure = walk.phases[span[-1]].failure
             if failure is not None:
                 now = plan_failure(now, gaits[-1].plan, failure, watch, done)
-                task = now.applied(task, span.stop)
-    start = _stand("start", robot, ends[0], options, watch)
+                walk = now.applied(walk, span.stop)
+    start = _stand("start", load.robot, ends[0], options, watch)
     stop = _stand("stop", now.robot, ends[-1], now.options, watch)
-    done[:] = [Segment(start), *done, Segment(stop)]
+    done[:] = load.around(robot, task.scene, [Segment(start), *done, Segment(stop)], watch)
 
 
 def _plan_stretch(
@@ -120,7 +124,7 @@ def _middle(robot: RobotModel, phases: Sequence[Phase], index: int) -> tuple[flo
     x = y = yaw = 0.0
     for number, phase in enumerate(phases[: index + 1]):
         speed = nominal.speed if phase.speed is None else phase.speed
-        seconds = phase.cycles * (nominal.duration if phase.duration is None else phase.duration)
+        seconds = phase.cycles * (nominal.duration if phase.duration in (None, "auto") else float(phase.duration))
         seconds *= 0.5 if number == index else 1.0
         seconds += nominal.transition_columns * nominal.transition_column_s if number else 0.0
         dx, dy, turn = planar_motion(Command(speed, phase.heading, phase.yaw_rate), seconds)
@@ -130,9 +134,8 @@ def _middle(robot: RobotModel, phases: Sequence[Phase], index: int) -> tuple[flo
 
 
 def _same_gait(robot: RobotModel, task: Task, one: Phase, other: Phase) -> bool:
-    def asked(phase: Phase) -> tuple[object, ...]:
-        roles = nonlocomotive(robot, phase, task.scene)
-        return roles, phase.gait, phase.speed, phase.heading, phase.yaw_rate, phase.duration, phase.columns
+    def asked(phase: Phase) -> Phase:
+        return replace(phase, name="", cycles=0, roles=nonlocomotive(robot, phase, task.scene))
 
     return asked(one) == asked(other)
 

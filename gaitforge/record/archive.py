@@ -2,7 +2,7 @@
 
 Per segment, under its name: ``C`` (n_F, m) bool, ``P`` (n_J, N + 1) [rad], ``times`` (N + 1,) [s],
 ``base`` (N + 1, 6) [m, rad], ``com`` (N + 1, 3) [m], ``feet`` (N + 1, n_F, 3) [m], ``weights``
-(N + 1, 2, n_F), ``info`` (JSON text: kind, command, roles, source, relaxed, what the solver said)
+(N + 1, 2, n_F), ``info`` (JSON text: kind, command, roles, loads, stance, source, relaxed, what the solver said)
 and, where the spline is clamped, ``joint_velocity_ends`` (2, n_J) and ``base_velocity_ends`` (2, 6).
 
 The order in which segments run is in ``timeline/…`` (segment, cycles, start, origin, aims), the
@@ -132,6 +132,9 @@ def _segment_info(plan: MotionPlan) -> dict[str, Any]:
         "relaxed": list(plan.relaxed),
         "command": to_plain(plan.command),
         "roles": to_plain(dict(plan.roles)),
+        "loads": to_plain(plan.loads),
+        "holdings": to_plain(plan.holdings),
+        "stance": to_plain(plan.stance),
         "report": {
             "status": report.status,
             "iterations": int(report.iterations),

@@ -9,7 +9,7 @@ from html import escape
 from typing import Any
 
 from gaitforge.record.files import write_text
-from gaitforge.report.text import mark, number
+from gaitforge.report.text import mark, number, problem_cells
 
 STYLE = """
 :root { color-scheme: light; }
@@ -72,6 +72,7 @@ def write_report_html(
         _images("Speed", [(caption, png) for caption, png in speed if png]),
         _images("Footfall", [(caption, png) for caption, png in plots if png]),
         _checks(summary["checks"]),
+        _problems(summary["segments"]),
         _explain(summary),
         _images("What clashes", [(CLASH, clash_png)] if clash_png else []),
         _timings(summary["timings_s"]),
@@ -141,6 +142,18 @@ def _check(check: Mapping[str, Any]) -> list[str]:
 
 def _class(check: Mapping[str, Any]) -> str:
     return {"✗": "failed", "·": "reported"}.get(mark(check), "")
+
+
+def _problems(segments: Sequence[Mapping[str, Any]]) -> str:
+    header = ("family", "kind", "#rows", "#variables", "#instances", "#at a bound [%]", "#cost", "enforced")
+    parts = []
+    for segment in segments:
+        if segment.get("problem"):
+            cells = [problem_cells(row) for row in segment["problem"]]
+            rows = [[_cell(text, h[0] == "#") for text, h in zip(row, header, strict=True)] for row in cells]
+            summary = f"<summary>{escape(segment['name'])}</summary>"
+            parts.append(f"<details>{summary}\n{_table(header, rows)}</details>")
+    return "<h2>Motion problems</h2>\n" + "\n".join(parts) if parts else ""
 
 
 def _explain(summary: Mapping[str, Any]) -> str:

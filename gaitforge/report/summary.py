@@ -68,6 +68,8 @@ def build_summary(
 
 def segment_entry(plan: MotionPlan, measured: float | None = None, name: str | None = None) -> dict[str, Any]:
     """One of `segments`; `measured` is the simulated mean speed [m/s]."""
+    table = {"problem": [row.as_dict() for row in plan.report.table]} if plan.report.table else {}
+    carried = {"loads": [load.as_dict() for load in plan.loads]} if plan.loads else {}
     return {
         "name": plan.name if name is None else name,
         "kind": plan.kind,
@@ -80,6 +82,8 @@ def segment_entry(plan: MotionPlan, measured: float | None = None, name: str | N
         "solve_s": plan.report.seconds,
         "cost": plan.report.cost,
         "relaxed": [*plan.pattern.relaxed, *plan.relaxed],
+        **carried,
+        **table,
     }
 
 

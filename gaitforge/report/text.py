@@ -48,6 +48,19 @@ def checks_text(summary: Mapping[str, Any], *, failed_only: bool = False) -> str
     return table(header, rows)
 
 
+def problem_text(rows: Sequence[Mapping[str, Any]]) -> str:
+    """What a motion problem consisted of, by family."""
+    header = ("family", "kind", "rows", "variables", "instances", "at a bound [%]", "cost", "enforced")
+    return table(header, [problem_cells(row) for row in rows])
+
+
+def problem_cells(row: Mapping[str, Any]) -> tuple[str, ...]:
+    """One row of the problem table, as text."""
+    active = "–" if row["active"] is None else f"{100 * row['active']:.0f}"
+    counts = (str(row[key]) for key in ("rows", "variables", "instances"))
+    return (row["family"], row["kind"], *counts, active, number(row["cost"]), row["enforced"])
+
+
 def mark(check: Mapping[str, Any]) -> str:
     """✓ held · ✗ did not · "·" was reported only."""
     if not check["passed"]:

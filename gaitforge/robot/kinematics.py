@@ -84,6 +84,12 @@ def limb_forward(joints: Any, parameters: Any) -> LimbState:
     return LimbState(foot, rotation, moment, origins, turns)
 
 
+def joint_axes(parameters: Any, count: int) -> list[Any]:
+    """(3,) axis of each joint in the frame of the body that it moves."""
+    starts = [JOINT_PARAMETERS * i + 12 for i in range(count)]
+    return [parameters[at : at + 3] for at in starts]
+
+
 def limb_parameters(robot: RobotModel, limb: Limb) -> Array:
     """(19 n + 3,) the geometry and masses of a limb; tool joints are taken at their nominal position."""
     import pinocchio

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.errors import InputError, Problem
 from gaitforge.robot.limbs import Limb, ToolMount
+from gaitforge.robot.payload import Load, laden_urdf
 
 if TYPE_CHECKING:
     import pinocchio
@@ -41,6 +43,8 @@ class Nominal:
     transition_columns: int = 11
     transition_column_s: float = 0.125
     """[s] per column of a transition"""
+    postures: Mapping[str, Array] = field(default_factory=dict)
+    """Standing postures by name, (n_J,) [rad] each, for `plan_gait(posture=…)`."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +87,29 @@ class RobotModel:
     """Number of actuated modules."""
     warnings: tuple[str, ...] = ()
     """What was noticed about the robot's file and is no error."""
+    loads: tuple[Load, ...] = ()
+    """What the robot carries; their masses are in `urdf`."""
+    _empty: RobotModel | None = field(default=None, repr=False)
+    """The robot without its loads; None: it has none."""
+
+    def carrying(self, *loads: Load) -> RobotModel:
+        """The same robot with these loads and no others: in its URDF, so in mass, centre of mass and dynamics alike.
+
+        Raises InputError for a frame that the robot does not have.
+        """
+        if loads == self.loads:
+            return self
+        empty = self._empty or self
+        if not loads:
+            return empty
+        if loads not in empty._laden:
+            urdf = laden_urdf(empty, loads)
+            empty._laden[loads] = replace(empty, urdf=urdf, loads=loads, _empty=empty)
+        return empty._laden[loads]
+
+    @cached_property
+    def _laden(self) -> dict[tuple[Load, ...], RobotModel]:
+        return {}
 
     @cached_property
     def pin(self) -> pinocchio.Model:

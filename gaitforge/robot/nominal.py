@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import Nominal
@@ -17,7 +18,7 @@ GAITS = ("tripod", "wave", "program")
 _SIDES = ("left", "right", "middle")
 _KEYS = (
     "posture", "held_posture", "speed", "duration", "columns", "step_height", "gait", "transition_columns",
-    "transition_column_s",
+    "transition_column_s", "postures",
 )  # fmt: skip
 UNEVEN = 0.02
 """[m] a standing posture whose feet differ more in height is refused."""
@@ -39,6 +40,7 @@ def read_nominal(s: Section, tree: RigidTree, limbs: Sequence[Limb], joint_names
         gait=s.text("gait", GAITS, "wave" if len(limbs) <= 4 else "tripod"),
         transition_columns=s.integer("transition_columns", 11, 2),
         transition_column_s=s.number("transition_column_s", "s", 0.125, above=0.0),
+        postures=_postures(s, tree, limbs, joint_names, standing),
     )
 
 
@@ -54,6 +56,20 @@ def _standing(s: Section, tree: RigidTree, limbs: Sequence[Limb]) -> tuple[dict[
         found = ", ".join(f"{n} {1e3 * (h - ground):.0f} mm" for n, h in heights.items())
         s.problem("posture", f"feet at heights {found}", f"all feet on the ground, within {1e3 * UNEVEN:.0f} mm")
     return angles, ground
+
+
+def _postures(
+    s: Section, tree: RigidTree, limbs: Sequence[Limb], joint_names: Sequence[str], standing: Mapping[str, float]
+) -> dict[str, NDArray[np.float64]]:
+    """Further standing postures by name, (n_J,) [rad]; what one does not speak of stands as it does nominally."""
+    block = s.child("postures")
+    found = {}
+    for name in block.data:
+        if name == "nominal":
+            block.problem(name, "the posture 'nominal'", "another name: it is the one of posture:")
+        angles = _posture(block, name, limbs, tree, standing)
+        found[str(name)] = np.array([angles[n] for n in joint_names])
+    return found
 
 
 def _held(s: Section, tree: RigidTree, limbs: Sequence[Limb], standing: dict[str, float]) -> dict[str, float]:

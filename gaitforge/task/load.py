@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from gaitforge.errors import InputError
+from gaitforge.task.commands import read_load, read_posture
 from gaitforge.task.failures import KEYS as FAILURE_KEYS
 from gaitforge.task.failures import check_failures, read_failure
+from gaitforge.task.load_handling import HANDLING, check_handling, handling_phase
 from gaitforge.task.phase import Phase, Task
 from gaitforge.task.reader import Reader
 from gaitforge.task.roles import MODES, Failed, Held, Locomotive, Role, Tool
@@ -16,7 +18,10 @@ from gaitforge.task.scene import Scene, SceneObject
 if TYPE_CHECKING:
     from gaitforge.robot.model import RobotModel
 
-COMMON = ("gait", "cycles", "speed", "heading", "yaw_rate", "duration", "columns")
+COMMON = (
+    "gait", "cycles", "speed", "heading", "yaw_rate", "body_height", "roll", "pitch", "step_height", "posture",
+    "duration", "columns", "loads",
+)  # fmt: skip
 """What a task may say once for all its phases."""
 METHODS = ("auto", "tripod", "wave", "program")
 DEFAULT_CYCLES = 2
@@ -77,6 +82,7 @@ def _phases(reader: Reader, top: Mapping[str, Any], scene: Scene, robot: RobotMo
     common = {k: top[k] for k in (*COMMON, *FAILURE_KEYS) if top.get(k) is not None}
     phases = tuple(_phase(reader, p, f"phases.{i}", common, scene, robot) for i, p in enumerate(given))
     reader.unique([p.name for p in phases], "phases", "a phase of its own name")
+    check_handling(reader, phases, scene, robot)
     for phase in phases:
         if phase.name in RESERVED:
             reader.problem("phases", repr(phase.name), "another name: stands are called " + " and ".join(RESERVED))
@@ -87,7 +93,12 @@ def _phases(reader: Reader, top: Mapping[str, Any], scene: Scene, robot: RobotMo
 def _phase(
     reader: Reader, value: Any, key: str, common: Mapping[str, Any], scene: Scene, robot: RobotModel | None
 ) -> Phase:
-    own = reader.mapping(value, key, ("name", "kind", "roles", "failure", *COMMON))
+    own = reader.mapping(value, key, ("name", "kind", "roles", "failure", *COMMON, *HANDLING))
+    if own.get("kind") in ("pick", "place"):
+        return handling_phase(reader, own, key)
+    for name in HANDLING:
+        if own.get(name) is not None:
+            reader.problem(f"{key}.{name}", repr(own[name]), "nothing: a phase that walks handles no object")
     ours, failing = ({k: v for k, v in common.items() if k in keys} for keys in (COMMON, FAILURE_KEYS))
     item = {**ours, **{k: v for k, v in own.items() if v is not None}}
 
@@ -106,16 +117,27 @@ def _phase(
         _check_rows(reader, gait, where("gait"), roles, robot)
     return Phase(
         name=reader.text(item.get("name"), f"{key}.name"),
-        kind=reader.choice(item.get("kind", "walk"), f"{key}.kind", ("walk",)),
+        kind=reader.choice(item.get("kind", "walk"), f"{key}.kind", ("walk", "pick", "place")),
         cycles=count("cycles", "a number of cycles ≥ 1") or DEFAULT_CYCLES,
         roles=roles,
         gait=gait,
         speed=number("speed", "a speed ≥ 0 [m/s]", lambda x: x >= 0),
         heading=number("heading", "an angle [rad]", lambda x: True) or 0.0,
         yaw_rate=number("yaw_rate", "a yaw rate [rad/s]", lambda x: True) or 0.0,
-        duration=number("duration", "a time > 0 [s]", lambda x: x > 0),
+        body_height=number("body_height", "a height > 0 [m]", lambda x: x > 0),
+        roll=number("roll", "an angle within ±0.5 [rad]", lambda x: abs(x) <= 0.5) or 0.0,
+        pitch=number("pitch", "an angle within ±0.5 [rad]", lambda x: abs(x) <= 0.5) or 0.0,
+        step_height=number("step_height", "a height > 0 [m]", lambda x: x > 0),
+        posture=read_posture(reader, item.get("posture"), where("posture"), robot),
+        duration="auto"
+        if item.get("duration") == "auto"
+        else number("duration", "a time > 0 [s], or auto", lambda x: x > 0),
         columns=count("columns", "a number of columns ≥ 1"),
         failure=read_failure(reader, own.get("failure"), f"{key}.failure", failing, robot),
+        loads=tuple(
+            read_load(reader, value, f"{where('loads')}.{i}", robot)
+            for i, value in enumerate(reader.listing(item.get("loads"), where("loads")))
+        ),
     )
 
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from gaitforge.robot.payload import Load
+from gaitforge.task.handling import Pick, Place
 from gaitforge.task.roles import Mode, Role
 from gaitforge.task.scene import Scene
 
@@ -30,7 +32,9 @@ class Phase:
     """
 
     name: str
-    kind: Literal["walk"] = "walk"
+    kind: Literal["walk", "pick", "place"] = "walk"
+    handling: Pick | Place | None = None
+    """What a phase that is no walk does to an object, standing"""
     cycles: int = 2
     roles: Mapping[str, Role] = field(default_factory=dict)
     """Limb name, or name of the tool it carries → role; limbs not named are locomotive."""
@@ -42,12 +46,24 @@ class Phase:
     """[rad] direction of travel in the body frame, counter-clockwise from ahead"""
     yaw_rate: float = 0.0
     """[rad/s]"""
-    duration: float | None = None
-    """[s] of one cycle"""
+    body_height: float | None = None
+    """[m] mean height of base_link above the ground"""
+    roll: float = 0.0
+    """[rad] mean"""
+    pitch: float = 0.0
+    """[rad] mean, nose down is positive"""
+    step_height: float | None = None
+    """[m]"""
+    posture: str | Mapping[str, tuple[float, ...]] | None = None
+    """How the limbs that walk stand: a posture of the robot by name, or limb → joint positions [rad]."""
+    duration: float | Literal["auto"] | None = None
+    """[s] of one cycle; auto: the shortest that keeps joint speeds and torques below their bounds"""
     columns: int | None = None
     """m of the cyclic pattern"""
     failure: Failure | None = None
     """What ends the phase, in the middle of one more cycle"""
+    loads: tuple[Load, ...] = ()
+    """What the robot carries all through the phase."""
 
 
 @dataclass(frozen=True)

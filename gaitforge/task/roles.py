@@ -58,4 +58,12 @@ def _point(values: Sequence[float]) -> tuple[float, float, float]:
     return x, y, z
 
 
-Role = Locomotive | Held | Failed | Tool
+@dataclass(frozen=True)
+class Carry:
+    """The limb holds a load together with others: a closed chain that does not move in the body frame."""
+
+    object: str
+    """Name of the load"""
+
+
+Role = Locomotive | Held | Failed | Tool | Carry

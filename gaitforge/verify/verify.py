@@ -25,12 +25,19 @@ def verify_timeline(
 ) -> Verdict:
     """Execute the timeline in a simulator (PyBullet by default) and judge it.
 
-    `progress` is called with the fraction done.  SimulationError when the simulator refuses the
+    What the robot carries in every segment alike is simulated as part of it; loads that come and go are
+    bodies of the scene.  `progress` is called with the fraction done.  SimulationError when the simulator refuses the
     robot; a robot that falls is no error but a verdict.
     """
+    robot = _laden(robot, timeline)
     runner = simulator or PyBulletSimulator()
     trace = runner.run(robot, timeline, scene or Scene(), progress)
     return judge(robot, timeline, trace, runner.name, limits)
+
+
+def _laden(robot: RobotModel, timeline: Timeline) -> RobotModel:
+    carried = {entry.plan.loads for entry in timeline.entries}
+    return robot.carrying(*carried.pop()) if len(carried) == 1 else robot
 
 
 def judge(

@@ -12,7 +12,8 @@ import gaitforge
 
 PACKAGE = Path(gaitforge.__file__).parent
 LAYERS = (
-    "errors", "resources", "robot", "task", "footfall", "motion", "verify", "record", "report", "pipeline", "cli",
+    "errors", "resources", "robot", "task", "footfall", "motion", "verify", "record", "report", "pipeline",
+    "experiment", "cli",
 )  # fmt: skip
 HEAVY = {
     "ortools": {"footfall"},

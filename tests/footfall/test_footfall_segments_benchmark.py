@@ -7,6 +7,8 @@ from benchmarks import footfall
 from benchmarks.footfall_cases import Case, families, gaits, growing, transition, transitions
 from gaitforge.footfall.model import check_pattern
 from gaitforge.footfall.search import SearchOptions, solve
+from gaitforge.footfall.segments import optimum
+from gaitforge.footfall.segments.placing import Effort
 from gaitforge.footfall.solvers.segments import Segments
 
 
@@ -17,6 +19,23 @@ def test_the_instances_have_their_known_optima_in_any_order_of_the_rows():
         order = np.random.default_rng(5).permutation(len(case.problem.limbs))
         here, there = (solve(c.problem, c.families, SearchOptions()) for c in (case, case.with_rows_in(order)))
         assert here.changes == there.changes
+
+
+def test_the_order_of_the_rows_hardly_changes_how_many_limbs_are_tried(monkeypatch):
+    spent = []
+
+    class Counted(Effort):
+        def spend(self):
+            spent[-1] += 1
+            super().spend()
+
+    monkeypatch.setattr(optimum, "Effort", Counted)
+    for case in (*transitions(), *gaits()):
+        for seed in range(10):
+            spent.append(0)
+            turned = case.with_rows_in(np.random.default_rng(seed).permutation(len(case.problem.limbs)))
+            assert Segments().search(turned.problem, turned.families)[0].status == "optimal"
+    assert 0 < min(spent) <= max(spent) <= 60
 
 
 def test_growth_covers_every_size_with_and_without_g11():

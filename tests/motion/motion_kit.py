@@ -11,6 +11,7 @@ import pinocchio
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.bodies import closest_pairs, limb_capsules
 from gaitforge.motion.constraints.clearance import Clearance
+from gaitforge.motion.constraints.effort import Effort
 from gaitforge.motion.constraints.joint_speed import JointSpeed
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
@@ -116,7 +117,7 @@ class Instance:
 def instance(segment: Segment, options: MotionOptions | None = None, seed: int = 0, spread: float = 0.05) -> Instance:
     """Build a segment's problem with joint speeds and clearances added; the point is the guess, disturbed."""
     guess = segment.make_guess(segment.grid)
-    extra = [JointSpeed(0.7), Clearance(near_pairs(segment, guess, 12), 0.004)]
+    extra = [JointSpeed(0.7), Effort(0.7), Clearance(near_pairs(segment, guess, 12), 0.004)]
     problem, trajectory = segment.build(options or MotionOptions(), extra)
     low, high = problem.bounds
     x = problem.x0 + np.random.default_rng(seed).normal(0.0, spread, problem.size)

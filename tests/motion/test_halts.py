@@ -16,7 +16,7 @@ from gaitforge.motion.state import end_state
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import PATIENT, instance, open_segment
 
-ON_GROUND, IN_AIR = "R1", "R2"
+ON_GROUND, IN_AIR = "R1", "L3"
 """Limbs of the tripod that stand and swing at column 3."""
 
 

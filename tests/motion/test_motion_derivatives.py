@@ -14,7 +14,7 @@ from gaitforge.motion.problem import Problem, Term
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import CHANGE, PENTA, Instance, gait_segment, instance, open_segment
 
-CONSTRAINTS = {"kinematics", "center_of_mass", "rolling", "balance", "joint_speed", "clearance"}
+CONSTRAINTS = {"kinematics", "center_of_mass", "rolling", "balance", "joint_speed", "effort", "clearance"}
 COSTS = {"smoothness", "posture", "body", "sharing", "swing"}
 STEP = 1e-5
 

@@ -9,7 +9,8 @@ import pinocchio
 import pytest
 
 from gaitforge.motion.bodies import BASE
-from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.constraints import Progress
+from gaitforge.motion.costs import Body, Posture, Sharing, Smoothness, SwingProfile
 from gaitforge.motion.plan import Command
 from gaitforge.motion.trajectory import Discretisation
 from gaitforge.robot.model import RobotModel
@@ -168,7 +169,7 @@ def test_balance_rows_are_the_moment_of_the_weights_about_the_centre_of_pressure
 def test_progress_asks_for_a_share_of_the_commanded_way(change_case: Instance, gait_case: Instance) -> None:
     (block,) = (b for b in change_case.problem.rows if b.family == "progress")
     grid = change_case.trajectory.grid
-    way = MotionOptions().progress_share * grid.command.speed * grid.duration
+    way = Progress().share * grid.command.speed * grid.duration
     assert (block.lower.tolist(), block.upper.tolist()) == ([pytest.approx(way)], [np.inf])
     base = change_case.x[change_case.trajectory.base]
     middle = grid.command.heading + grid.command.yaw_rate * grid.duration / 2
@@ -218,7 +219,7 @@ def test_clearance_rows_are_squared_distances_of_material_points(case: Instance,
 
 def test_smoothness_is_the_squared_acceleration_over_time(case: Instance) -> None:
     trajectory, grid, path = case.trajectory, case.trajectory.grid, path_of(case)
-    cost = MotionOptions().smoothness
+    cost = Smoothness()
     seconds = np.full(grid.samples, grid.dt)
     if not grid.cyclic:
         seconds[[0, -1]] /= 2
@@ -234,7 +235,7 @@ def test_smoothness_is_the_squared_acceleration_over_time(case: Instance) -> Non
 
 def test_posture_pulls_to_the_standing_posture_and_harder_on_the_ground(case: Instance) -> None:
     trajectory, grid = case.trajectory, case.trajectory.grid
-    robot, cost, expected = trajectory.robot, MotionOptions().posture, 0.0
+    robot, cost, expected = trajectory.robot, Posture(), 0.0
     for i in trajectory.moving:
         rows = robot.joint_indices(robot.limbs[i])
         away = ((case.x[trajectory.joints[i]] - robot.nominal.posture[rows]) ** 2).sum(axis=1)
@@ -244,7 +245,7 @@ def test_posture_pulls_to_the_standing_posture_and_harder_on_the_ground(case: In
 
 
 def test_body_pulls_to_height_level_line_and_course(gait_case: Instance, change_case: Instance) -> None:
-    weights = MotionOptions().body
+    weights = Body()
     for case in (gait_case, change_case):
         trajectory, grid = case.trajectory, case.trajectory.grid
         base, expected = path_of(case, 0).base, 0.0
@@ -266,7 +267,7 @@ def test_body_pulls_to_height_level_line_and_course(gait_case: Instance, change_
 def test_sharing_pulls_the_weights_to_equal_shares(case: Instance) -> None:
     trajectory = case.trajectory
     expected = sum(float(((case.x[index] - 1 / len(feet)) ** 2).sum()) for _, feet, index in trajectory.weights)
-    expected *= MotionOptions().sharing.weight * trajectory.grid.dt
+    expected *= Sharing().weight * trajectory.grid.dt
     assert cost_of(case, "sharing") == pytest.approx(expected, rel=1e-9)
 
 
@@ -295,4 +296,4 @@ def test_swinging_feet_are_pulled_to_a_path_from_lift_to_landing(case: Instance)
             expected += float(((now[:2] - (1 - done) * lift[:2] - done * land[:2]) ** 2).sum())
             counted += 1
     assert counted > 10
-    assert cost_of(case, "swing") == pytest.approx(MotionOptions().swing_weight * grid.dt * expected, rel=1e-9)
+    assert cost_of(case, "swing") == pytest.approx(SwingProfile().weight * grid.dt * expected, rel=1e-9)

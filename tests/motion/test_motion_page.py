@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import yaml
 
@@ -15,12 +14,13 @@ import gaitforge as gf
 from gaitforge.config.build import build
 from gaitforge.errors import InputError
 from gaitforge.motion.constraints.joint_speed import JointSpeed
+from gaitforge.motion.costs.body import Body
 from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
-from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.plan import Command
 from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.robot.model import RobotModel
-from tests.motion.motion_kit import PENTA, TRIPOD, gait_segment, instance
+from tests.motion.motion_kit import PENTA, gait_segment, instance
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "motion.md").read_text(encoding="utf-8")
@@ -29,47 +29,6 @@ GROUP = ROOT / "conf" / "motion"
 
 def blocks() -> list[str]:
     return re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-
-
-@pytest.fixture(scope="module")
-def page() -> dict[str, Any]:
-    """The names that the how-to of the page makes, its gait included."""
-    names: dict[str, Any] = {}
-    _, *how_to = blocks()
-    for block in how_to:
-        exec(block, names)
-    return names
-
-
-def test_the_families_of_the_page_shape_the_gait(page: dict[str, Any], hexapod: RobotModel) -> None:
-    def highest(plan: MotionPlan) -> float:
-        corner = [*page["Headroom"]().point, 1.0]
-        return max(
-            (hexapod.link_pose("base_link", base, q) @ corner)[2]
-            for base, q in zip(plan.base_poses, plan.joint_positions.T, strict=True)
-        )
-
-    assert issubclass(page["Headroom"], Family)
-    free = gf.plan_gait(hexapod, page["gait"].pattern, samples_per_column=2)
-    assert highest(free) > page["Headroom"]().height + 2e-3
-    assert highest(page["gait"]) < page["Headroom"]().height + 1e-6
-    stoop = np.abs(page["gait"].base_poses[:, 2] - page["Stoop"]().height).mean()
-    assert stoop < np.abs(free.base_poses[:, 2] - page["Stoop"]().height).mean()
-
-
-def test_the_families_of_the_page_have_right_derivatives(page: dict[str, Any], hexapod: RobotModel) -> None:
-    options = MotionOptions(families=(page["Headroom"](), page["Stoop"]()))
-    case = instance(gait_segment(hexapod, TRIPOD, Command(0.06)), options)
-    families = {term.family for term in case.problem.terms}
-    assert {"headroom", "stoop"} <= families
-    for term in case.problem.terms:
-        if term.family in ("headroom", "stoop"):
-            v, p, h = case.x[term.variables[3]], term.parameters[3], 1e-6
-            dense = np.zeros(len(v))
-            dense[term.kernel.jacobian_rc[1]] = np.array(term.kernel.first(v, p)[1]).ravel()
-            steps = h * np.eye(len(v))
-            slope = [float(term.kernel.value(v + s, p) - term.kernel.value(v - s, p)) / (2 * h) for s in steps]
-            assert dense == pytest.approx(slope, abs=1e-6)
 
 
 def test_the_first_example_of_the_page_names_what_there_is() -> None:
@@ -91,26 +50,48 @@ def test_options_that_the_page_names_exist() -> None:
     known = {f.name for f in fields(MotionOptions)}
     named = set(re.findall(r"`(\w+)`", PAGE))
     assert {n for n in named if n in known} >= {
-        "height_range", "tilt_limit", "joint_margin", "stability_share", "progress_share", "ground_tolerance",
+        "height_range", "tilt_limit", "joint_margin", "stability_share", "ground_tolerance",
         "finest", "speed_share", "clearance", "refinements", "stand_seconds",
     }  # fmt: skip
     assert f"`ground_tolerance` ({MotionOptions().ground_tolerance * 1e3:g} mm)" in PAGE
 
 
+def families(group: str) -> dict[str, dict[str, Any]]:
+    """Option file → its one entry, with its key as "key"."""
+    found = {}
+    for path in sorted((GROUP / group).glob("*.yaml")):
+        ((key, node),) = yaml.safe_load(path.read_text(encoding="utf-8")).items()
+        found[path.stem] = {"key": key, **node}
+    return found
+
+
 def test_the_config_group_has_the_defaults_of_the_class() -> None:
     node = yaml.safe_load((GROUP / "default.yaml").read_text(encoding="utf-8"))
     listed = node.pop("defaults")
+    (chosen,) = (d["constraints"] for d in listed if isinstance(d, dict) and "constraints" in d)
+    (pulls,) = (d["costs"] for d in listed if isinstance(d, dict) and "costs" in d)
+    for group, names in (("constraints", chosen), ("costs", pulls)):
+        options = families(group)
+        node[group] = [{k: v for k, v in options[name].items() if k != "key"} for name in names]
     built = build({**node, "solver": yaml.safe_load((GROUP / "solver" / "ipopt.yaml").read_text())}, MotionOptions)
     assert built == MotionOptions()
     assert {"solver": "ipopt"} in listed
-    settable = {f.name for f in fields(MotionOptions)} - {"solver", "stability_share", "families"}
+    settable = {f.name for f in fields(MotionOptions)} - {"solver", "stability_share"}
     assert settable == set(node) - {"_target_"}
-    for name, value in node.items():
-        default = getattr(MotionOptions(), name, None)
-        if is_dataclass(default):
-            assert set(value) == {"_target_", *(f.name for f in fields(default))}
     solver = yaml.safe_load((GROUP / "solver" / "ipopt.yaml").read_text(encoding="utf-8"))
     assert set(solver) == {"_target_", *(f.name for f in fields(Ipopt))}
+
+
+@pytest.mark.parametrize("group", ["constraints", "costs"])
+def test_an_option_is_one_family_under_its_name_with_the_defaults_of_its_class(group: str) -> None:
+    for stem, node in families(group).items():
+        key = node.pop("key")
+        family = build(node, Family)  # type: ignore[type-abstract]
+        assert family == type(family)(), "the option file repeats the defaults"
+        assert key == stem == family.name
+        assert node["_target_"] == f"gaitforge.motion.{group}.{stem}.{type(family).__name__}"
+        assert set(node) == {"_target_", *(f.name for f in fields(family))}  # type: ignore[arg-type]
+        assert family.unit, family.enforced
 
 
 @pytest.mark.parametrize("path", sorted(GROUP.rglob("*.yaml")), ids=lambda p: p.stem)
@@ -122,9 +103,27 @@ def test_every_parameter_has_a_comment_with_its_unit(path: Path) -> None:
             assert "# [" in line, line
 
 
-def test_families_come_from_a_config_too_and_nothing_else_does() -> None:
+def test_families_come_from_a_config_and_nothing_else_does() -> None:
     target = "gaitforge.motion.options.MotionOptions"
     speed = {"_target_": "gaitforge.motion.constraints.joint_speed.JointSpeed", "share": 0.5}
-    assert build({"_target_": target, "families": [speed]}, MotionOptions).families == (JointSpeed(0.5),)
+    assert build({"_target_": target, "constraints": [speed]}, MotionOptions).constraints == (JointSpeed(0.5),)
     with pytest.raises(InputError, match="a constraint or cost family"):
-        build({"_target_": target, "families": [{"_target_": "gaitforge.motion.plan.Command"}]}, MotionOptions)
+        build({"_target_": target, "costs": [{"_target_": "gaitforge.motion.plan.Command"}]}, MotionOptions)
+
+
+def test_the_command_line_chooses_drops_and_changes_families() -> None:
+    from hydra import compose, initialize_config_dir
+
+    from gaitforge.cli.options import options
+    from gaitforge.config import register
+    from gaitforge.resources import conf_dir, robot_files
+
+    register({name: str(file) for name, file in robot_files().items()})
+    overrides = ["motion/constraints=[kinematics,rolling,balance,joint_speed]", "~motion.costs.sharing",
+                 "motion.costs.body.drift=50"]  # fmt: skip
+    with initialize_config_dir(version_base="1.3", config_dir=str(conf_dir())):
+        motion = options(compose("config", overrides), ()).motion
+    assert motion is not None
+    assert [f.name for f in motion.constraints] == ["kinematics", "rolling", "balance", "joint_speed"]
+    assert [f.name for f in motion.costs] == ["smoothness", "posture", "body", "swing"]
+    assert next(f.drift for f in motion.costs if isinstance(f, Body)) == 50

@@ -111,15 +111,6 @@ def test_violations_name_the_worst_row_of_each_family() -> None:
     assert worst["bounds"] == (pytest.approx(0.5), 1, "")
 
 
-def test_the_table_counts_rows_and_places() -> None:
-    problem = Problem()
-    a = problem.add_variables(np.ones((4, 2)), *FREE)
-    rows = problem.add_rows("pairs", 0.0, 0.0, (4, 1), "", range(4))
-    problem.add_term("pairs", kernel("test_product", 2, 1, product), a, [1.0], rows)
-    problem.add_term("level", kernel("test_square", 1, 2, square), a[:, :1], [1.0, 0.0])
-    assert problem.table() == [("pairs", "constraint", 4, 4), ("level", "cost", 0, 4)]
-
-
 def test_ipopt_finds_the_nearest_point_of_a_circle() -> None:
     problem = Problem()
     a = problem.add_variables([1.0, 0.1], *FREE)

@@ -7,7 +7,7 @@ import pytest
 
 import gaitforge as gf
 from gaitforge.errors import InputError
-from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.constraints import Progress
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.state import com_velocity, gait_state
 from gaitforge.motion.timeline import Timeline
@@ -84,7 +84,7 @@ def test_a_state_turned_back_is_the_same_state_seen_in_another_frame(hexapod: Ro
 
 def test_a_transition_covers_the_share_of_the_commanded_way(change: MotionPlan) -> None:
     way = change.base_poses[-1, 0] - change.base_poses[0, 0]
-    assert way >= MotionOptions().progress_share * 0.064 * change.duration - 1e-6
+    assert way >= Progress().share * 0.064 * change.duration - 1e-6
     assert change.duration == pytest.approx(11 * 0.125)
 
 

@@ -117,3 +117,41 @@ def test_a_held_posture_has_a_position_for_every_joint(dodecapod: RobotModel) ->
     held = {"role": "held", "posture": [0.1, 0.2]}
     found = problems({"phases": [{"name": "a", "roles": {"R1": held}}]}, dodecapod)
     assert found == [("phases.0.roles.R1.posture", "2 values")]
+
+
+def test_a_phase_says_what_is_carried(dodecapod: RobotModel) -> None:
+    box = {"mass": 0.5, "point": [0.3, 0.0, 0.1]}
+    data = {"loads": [box], "phases": [{"name": "a"}, {"name": "b", "loads": [{**box, "frame": "gripper_L1"}]}]}
+    one, other = load_task(data, "t", robot=dodecapod).phases
+    assert (one.loads[0].mass, one.loads[0].frame) == (0.5, "body")
+    assert (other.loads[0].point, other.loads[0].frame) == ((0.3, 0.0, 0.1), "gripper_L1")
+
+
+def test_a_wrong_load_is_refused(dodecapod: RobotModel) -> None:
+    loads = [{"mass": 0.0, "point": [0, 0]}, {"mass": 1.0, "point": [0, 0, 0], "frame": "L9", "weight": 3}]
+    found = problems({"phases": [{"name": "a", "loads": loads}]}, dodecapod)
+    keys = ("0.mass", "0.point", "1.weight", "1.frame")
+    assert [key for key, _ in found] == [f"phases.0.loads.{key}" for key in keys]
+
+
+def test_a_phase_commands_body_steps_posture_and_duration(dodecapod: RobotModel) -> None:
+    given = {"body_height": 0.15, "roll": 0.05, "pitch": -0.1, "step_height": 0.05, "duration": "auto",
+             "posture": {"L1": [0.4, 0, 0]}}  # fmt: skip
+    (phase,) = load_task({"phases": [{"name": "a", **given}]}, "t", robot=dodecapod).phases
+    assert (phase.body_height, phase.roll, phase.pitch) == (0.15, 0.05, -0.1)
+    assert (phase.step_height, phase.duration, phase.posture) == (0.05, "auto", {"L1": (0.4, 0.0, 0.0)})
+    plain = load_task({"phases": [{"name": "a"}]}, "t", robot=dodecapod).phases[0]
+    assert (plain.body_height, plain.roll, plain.pitch, plain.posture, plain.duration) == (None, 0.0, 0.0, None, None)
+
+
+@pytest.mark.parametrize(
+    ("given", "key"),
+    [
+        ({"body_height": -0.1}, "body_height"), ({"roll": 0.7}, "roll"), ({"step_height": 0.0}, "step_height"),
+        ({"duration": "short"}, "duration"), ({"posture": "upright"}, "posture"),
+        ({"posture": {"L9": [0, 0, 0]}}, "posture.L9"), ({"posture": {"L1": [0, 0]}}, "posture.L1"),
+        ({"posture": {"L1": [0, 0, 2.0]}}, "posture.L1"),
+    ],
+)  # fmt: skip
+def test_a_wrong_command_is_refused(given: dict[str, Any], key: str, dodecapod: RobotModel) -> None:
+    assert [found for found, _ in problems({"phases": [{"name": "a", **given}]}, dodecapod)] == [f"phases.0.{key}"]

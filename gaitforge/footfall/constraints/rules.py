@@ -5,6 +5,7 @@ A fast search reads the data; the general program takes the rows.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gaitforge.footfall.program import Program
@@ -43,23 +44,22 @@ class LimbRule:
         if self.least_stance:
             program.row([(c, 1) for c in cells], self.least_stance, None, family, who)
         for length in self.forbidden_swing_runs:
-            self._forbid(program, family, length, stance=False)
+            self._forbid(program, cells, family, length, stance=False)
         for length in self.forbidden_stance_runs:
-            self._forbid(program, family, length, stance=True)
+            self._forbid(program, cells, family, length, stance=True)
         for j in self.swing_in:
             program.clause([], [cells[j]], family, who, (j,))
         for j in self.stance_in:
             program.clause([cells[j]], [], family, who, (j,))
 
-    def _forbid(self, program: Program, family: str, length: int, stance: bool) -> None:
+    def _forbid(self, program: Program, cells: Sequence[int], family: str, length: int, stance: bool) -> None:
         """No window ``a b…b a`` with `length` b: the form of g2, g3 and g4."""
         m = program.problem.columns
         starts = range(m) if program.problem.cyclic else range(m - length - 1)
         for j in starts:
-            inside = [program.contact(self.limb, j + k) for k in range(1, length + 1)]
-            ends = [program.contact(self.limb, j), program.contact(self.limb, j + length + 1)]
-            true, false = (ends, inside) if stance else (inside, ends)
-            columns = tuple((j + k) % m for k in range(length + 2))
+            columns = tuple([(j + k) % m for k in range(length + 2)])
+            first, *inside, last = [cells[k] for k in columns]
+            true, false = ((first, last), inside) if stance else (inside, (first, last))
             program.clause(true, false, family, (self.limb,), columns)
 
 

@@ -15,8 +15,11 @@ def least_times(reading: Reading, rows: Sequence[Rows]) -> int | None:
     that cannot stand throughout in a gait; those fixed to stance at both ends in a transition):
     k ≥ ⌈n / cap⌉ in a gait, 1 + ⌈n / cap⌉ in a transition, whose first and last segment are not theirs.
     Under the gap rule they lift at no more than cap a time, and land at others: k ≥ 2 ⌈n / cap⌉.
-    There is no pattern when their shortest swings need more than cap times the columns they may swing in.
+    There is no pattern when their shortest swings need more than cap times the columns they may swing in,
+    or when more than cap of them have to swing in one column.
     """
+    if any(reading.asks_too_much(column) for column in range(reading.columns)):
+        return None
     if any(not (r.swing.any() or r.stance.any() or r.always_stance or r.always_swing) for r in rows):
         return None
     stepping = [_steps(reading, r) for r in rows]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -20,6 +21,8 @@ FEW = 300
 """Sets of times that are all looked at at once, without trying even spacing first."""
 FEW_WITH_GAPS = 50
 """The same under the gap rule, where each set costs more."""
+REMEMBERED = 50
+"""Failed sets of options that are kept to recognise others by: placing is cheaper than a long list."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,14 +85,14 @@ def _stages(reading: Reading, k: int, largest: int) -> Iterator[Times]:
 def _first_fit(
     reading: Reading, kinds: Sequence[tuple[LimbType, Rows]], placer: Placer, times: Times
 ) -> NDArray[np.bool_] | None:
-    failed: list[tuple[int, ...]] = []
+    failed: deque[tuple[int, ...]] = deque(maxlen=REMEMBERED)
     for found in availabilities(reading, kinds, placer.options, times):
         if any(all(b & ~f == 0 for b, f in zip(found.options, fail, strict=True)) for fail in failed):
             continue
         placed = placer.place(found.options)
         if placed is not None:
             return contact_of(placed, placer.options, times[found.times], reading.columns)
-        failed.append(found.options)
+        failed.appendleft(found.options)
     return None
 
 

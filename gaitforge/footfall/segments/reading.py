@@ -48,6 +48,11 @@ class Reading:
     spread: int | None
     """Swing times of balanced limbs differ by at most this."""
 
+    def asks_too_much(self, column: int) -> bool:
+        """Must more limbs of some clause swing in this column than may?"""
+        swinging = {i for i, t in enumerate(self.types) if column in t.swing_in}
+        return any(len(swinging & limbs) > cap for limbs, cap in self.clauses)
+
 
 def read(problem: FootfallProblem, families: Iterable[ConstraintSet]) -> Reading:
     """The families of a problem as data; raises NotUnderstood for what only the general model can take."""

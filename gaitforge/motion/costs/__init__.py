@@ -8,3 +8,19 @@ sharing      CoP weights near equal shares
 
 Every weight is per second of motion, so that it does not depend on the number of samples.
 """
+
+from __future__ import annotations
+
+from gaitforge.motion.costs.body import Body
+from gaitforge.motion.costs.posture import Posture
+from gaitforge.motion.costs.sharing import Sharing
+from gaitforge.motion.costs.smoothness import Smoothness
+from gaitforge.motion.costs.swing import SwingProfile
+from gaitforge.motion.family import Family
+
+__all__ = ["Body", "Posture", "Sharing", "Smoothness", "SwingProfile", "default_costs"]
+
+
+def default_costs() -> tuple[Family, ...]:
+    """The cost families of every motion problem."""
+    return (Smoothness(), Posture(), Body(), Sharing(), SwingProfile())

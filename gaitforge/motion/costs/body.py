@@ -1,4 +1,4 @@
-"""A level body at its height, on its line."""
+"""A body at its commanded height and tilt, on its line."""
 
 from __future__ import annotations
 
@@ -6,15 +6,18 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gaitforge.motion.family import Family
-from gaitforge.motion.problem import Problem, kernel
+from gaitforge.motion.instant import Instant, SampleCost
 from gaitforge.motion.trajectory import Trajectory, planar_motion
 
 
 @dataclass(frozen=True)
-class Body(Family):
-    """∫ w_z (z − z_0)² + w_θ (roll² + pitch² + (yaw − yaw_0)²) + w_y d² dt, d the distance from the line."""
+class Body(SampleCost):
+    """∫ w_z (z − z_0)² + w_θ ((roll − roll_0)² + (pitch − pitch_0)² + (yaw − yaw_0)²) + w_y d² dt
+
+    z_0, roll_0, pitch_0: the commanded stance; d: the distance from the commanded line.
+    """
 
     name: ClassVar[str] = "body"
     unit: ClassVar[str] = "m² s, rad² s"
@@ -25,28 +28,26 @@ class Body(Family):
     drift: float = 10.0
     """per m² s"""
 
-    def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
-        """One place a sample."""
+    def parameters(self, trajectory: Trajectory, limb: int | None) -> NDArray[np.float64]:
+        """(K, 7) z_0, roll_0, pitch_0, yaw_0, direction of the line, a point of it (x, y)."""
         grid = trajectory.grid
-        samples = np.arange(grid.samples)
-        parameters = np.zeros((grid.samples, 6))
-        parameters[:, 0] = grid.dt
-        parameters[:, 1] = trajectory.robot.nominal.body_height
-        parameters[:, 4] = grid.command.heading
+        out = np.zeros((grid.samples, 7))
+        out[:, :3] = trajectory.stance.body
+        out[:, 4] = grid.command.heading
         if not grid.cyclic:
             origin = grid.start.base if grid.start is not None else np.zeros(6)
             if grid.start is not None and grid.start.rest and grid.end is not None:
                 origin = grid.end.base
-            parameters[:, 2:4] = origin[:2]
-            path = np.array([planar_motion(grid.command, k * grid.dt) for k in samples])
-            parameters[:, 5] = origin[5] + path[:, 2]
-            parameters[:, 4] += origin[5]
-        compiled = kernel(("body", self.height, self.orientation, self.drift), 6, 6, self._instant)
-        problem.add_term(self.name, compiled, trajectory.base, parameters)
+            out[:, 5:] = origin[:2]
+            out[:, 3] = origin[5] + [planar_motion(grid.command, k * grid.dt)[2] for k in range(grid.samples)]
+            out[:, 4] += origin[5]
+        return out
 
-    def _instant(self, v: Any, p: Any) -> Any:
+    def instant(self, at: Instant, p: Any) -> Any:
+        """The density of the cost at one sample."""
         import casadi as ca
 
-        drift = -ca.sin(p[4]) * (v[0] - p[2]) + ca.cos(p[4]) * (v[1] - p[3])
-        tilt = ca.sumsqr(v[3:5]) + (v[5] - p[5]) ** 2
-        return p[0] * (self.height * (v[2] - p[1]) ** 2 + self.orientation * tilt + self.drift * drift**2)
+        base = at.base
+        drift = -ca.sin(p[4]) * (base[0] - p[5]) + ca.cos(p[4]) * (base[1] - p[6])
+        turned = ca.sumsqr(base[3:6] - p[1:4])
+        return self.height * (base[2] - p[0]) ** 2 + self.orientation * turned + self.drift * drift**2

@@ -6,37 +6,36 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gaitforge.motion.family import Family
-from gaitforge.motion.problem import Problem, kernel
+from gaitforge.motion.instant import Block, Instant, SampleCost
 from gaitforge.motion.trajectory import Trajectory
 
 
 @dataclass(frozen=True)
-class Posture(Family):
-    """∫ w |q − q_nominal|² dt, heavier in stance (a light one leaves the reduced Hessian indefinite)."""
+class Posture(SampleCost):
+    """∫ w |q − q_stance|² dt, heavier in stance (a light one leaves the reduced Hessian indefinite)."""
 
     name: ClassVar[str] = "posture"
     unit: ClassVar[str] = "rad² s"
+    reads: ClassVar[tuple[Block, ...]] = ("joints",)
     stance: float = 3.0
     """per rad² s"""
     swing: float = 1.0
     """per rad² s"""
 
-    def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
-        """One place a limb and sample."""
+    def parameters(self, trajectory: Trajectory, limb: int | None) -> NDArray[np.float64]:
+        """(K, 1 + n) weight and goal: the commanded stance, the held posture for a limb that never stands."""
+        assert limb is not None
         grid, robot = trajectory.grid, trajectory.robot
-        for i in trajectory.moving:
-            rows = robot.joint_indices(robot.limbs[i])
-            weight = np.where(grid.ground[:, i], self.stance, self.swing) * grid.dt
-            walks = bool(grid.contact[:, i].any())
-            goal = robot.nominal.posture[rows] if walks else robot.nominal.held_posture[rows]
-            parameters = np.hstack([weight[:, None], np.tile(goal, (grid.samples, 1))])
-            compiled = kernel(("posture", len(rows)), len(rows), 1 + len(rows), _instant)
-            problem.add_term(self.name, compiled, trajectory.joints[i], parameters)
+        rows = robot.joint_indices(robot.limbs[limb])
+        weight = np.where(grid.ground[:, limb], self.stance, self.swing)
+        held = np.tile(robot.nominal.held_posture[rows], (grid.samples, 1))
+        goal = trajectory.stance.joints[:, rows] if grid.contact[:, limb].any() else held
+        return np.hstack([weight[:, None], goal])
 
+    def instant(self, at: Instant, p: Any) -> Any:
+        """The density of the cost at one sample of one limb."""
+        import casadi as ca
 
-def _instant(v: Any, p: Any) -> Any:
-    import casadi as ca
-
-    return p[0] * ca.sumsqr(v - p[1:])
+        return p[0] * ca.sumsqr(at.joints - p[1:])

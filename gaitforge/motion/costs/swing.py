@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.family import Family, carried, carried_back
 from gaitforge.motion.problem import Kernel, Problem, kernel
-from gaitforge.motion.trajectory import Trajectory, planar_motion, smooth_step
+from gaitforge.motion.trajectory import Discretisation, Trajectory, planar_motion, smooth_step
 
 
 @dataclass(frozen=True)
@@ -25,40 +25,43 @@ class SwingProfile(Family):
     unit: ClassVar[str] = "m² s"
     weight: float = 100.0
     """per m² s"""
-    step_height: float = 0.03
-    """[m]"""
 
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """One place a swing sample whose swing begins and ends on the ground."""
         grid, robot = trajectory.grid, trajectory.robot
+        motions = _motions(grid)
         height, path = kernel("swing_height", 1, 2, _height_instant), kernel("swing_path", 6, 8, _path_instant)
         for i in trajectory.moving:
             share = swing_share(grid.ground[:, i], grid.cyclic)
             here = np.flatnonzero(np.isfinite(share))
             up = smooth_step(1.0 - np.abs(2.0 * share[here] - 1.0))
-            goal = robot.limbs[i].foot.radius + 1.1 * self.step_height * up
+            goal = robot.limbs[i].foot.radius + 1.1 * trajectory.step_height * up
             parameters = np.stack([np.full(len(here), self.weight * grid.dt), goal], axis=1)
             problem.add_term(self.name, height, trajectory.feet[i][here, 2:3], parameters)
-            self._add_paths(problem, trajectory, i, path)
+            self._add_paths(problem, trajectory, i, path, motions)
 
-    def _add_paths(self, problem: Problem, trajectory: Trajectory, limb: int, compiled: Kernel) -> None:
+    def _add_paths(
+        self, problem: Problem, trajectory: Trajectory, limb: int, compiled: Kernel, motions: NDArray[np.float64]
+    ) -> None:
         grid, feet = trajectory.grid, trajectory.feet[limb]
         places, parameters = [], []
         for lift, land in swings(grid.ground[:, limb], grid.cyclic):
-            for k in range(lift + 1, land):
-                s = (k - lift) / (land - lift)
-                at = np.array([lift, k, land]) % grid.samples
-                since, until = (self._motion(trajectory, n) for n in (k - lift, land - k))
-                places.append(feet[at, :2].ravel())
-                parameters.append([self.weight * grid.dt, float(smooth_step(s)), *since, *until])
+            k = np.arange(lift + 1, land)
+            done = smooth_step((k - lift) / (land - lift))
+            ends = np.array([lift, land]) % grid.samples
+            ways = [np.broadcast_to(feet[end, :2], (len(k), 2)) for end in ends]
+            places.append(np.hstack([ways[0], feet[k % grid.samples, :2], ways[1]]))
+            weights = np.full((len(k), 1), self.weight * grid.dt)
+            parameters.append(np.hstack([weights, done[:, None], motions[k - lift], motions[land - k]]))
         if places:
-            problem.add_term(self.name, compiled, np.array(places), np.array(parameters))
+            problem.add_term(self.name, compiled, np.vstack(places), np.vstack(parameters))
 
-    @staticmethod
-    def _motion(trajectory: Trajectory, intervals: int) -> NDArray[np.float64]:
-        """Motion of the commanded frame over some intervals (none outside gaits)."""
-        grid = trajectory.grid
-        return planar_motion(grid.command, intervals * grid.dt) if grid.cyclic else np.zeros(3)
+
+def _motions(grid: Discretisation) -> NDArray[np.float64]:
+    """(K + 1, 3) motion of the commanded frame over 0, 1, … intervals (none outside gaits)."""
+    if not grid.cyclic:
+        return np.zeros((grid.samples + 1, 3))
+    return np.array([planar_motion(grid.command, n * grid.dt) for n in range(grid.samples + 1)])
 
 
 def swings(ground: NDArray[np.bool_], cyclic: bool) -> list[tuple[int, int]]:
@@ -74,8 +77,8 @@ def swing_share(ground: NDArray[np.bool_], cyclic: bool) -> NDArray[np.float64]:
     """(K,) how much of its swing is over at each sample in the air; NaN on the ground or at open swings."""
     share = np.full(len(ground), np.nan)
     for lift, land in swings(ground, cyclic):
-        for k in range(lift + 1, land):
-            share[k % len(ground)] = (k - lift) / (land - lift)
+        k = np.arange(lift + 1, land)
+        share[k % len(ground)] = (k - lift) / (land - lift)
     return share
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.assembly import assemble
 from gaitforge.motion.problem import Problem
-from gaitforge.motion.solvers.solution import Solution
+from gaitforge.motion.solvers.solution import Multipliers, Solution, Start
 
 Array = NDArray[np.float64]
 GOOD = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
@@ -28,7 +28,7 @@ class Ipopt:
     residual: float = 1e-6
     """Largest violation that still counts as solved [SI units of the row]."""
 
-    def solve(self, problem: Problem, start: Array | None = None) -> Solution:
+    def solve(self, problem: Problem, start: Start = None) -> Solution:
         """Solve from `start` (the problem's own guess when None)."""
         import casadi as ca
 
@@ -52,10 +52,13 @@ class Ipopt:
         low, high = problem.bounds
         row_low, row_high = problem.row_bounds
         free = assembled.free
-        x0 = (problem.x0 if start is None else start)[free]
+        from_x = start.x if isinstance(start, Solution) else start
+        x0 = (problem.x0 if from_x is None else from_x)[free]
         out = solver(x0=x0, lbx=low[free], ubx=high[free], lbg=row_low, ubg=row_high)
         x = assembled.expand(problem, np.array(out["x"]).ravel())
         stats = solver.stats()
+        bounds = np.zeros(problem.size)
+        bounds[free] = np.array(out["lam_x"]).ravel()
         worst = problem.violations(x)
         residual = max((v[0] for v in worst.values()), default=0.0)
         solved = stats["return_status"] in GOOD and residual <= 10 * self.residual
@@ -68,4 +71,5 @@ class Ipopt:
             float(out["f"]),
             float(residual),
             worst,
+            Multipliers(np.array(out["lam_g"]).ravel(), bounds),
         )

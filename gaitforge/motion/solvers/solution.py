@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -11,6 +12,16 @@ from numpy.typing import NDArray
 from gaitforge.motion.problem import Problem
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Multipliers:
+    """λ of L = f + λᵀ c at a solution; negative where a lower bound is active, positive at an upper one."""
+
+    rows: Array
+    """(row_count,)"""
+    bounds: Array
+    """(size,) of the variables' bounds, zero for constants"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +40,18 @@ class Solution:
     """Largest violation of a row or bound."""
     worst: dict[str, tuple[float, Any, str]] = field(default_factory=dict)
     """Per family the largest violation, where, and its unit."""
+    multipliers: Multipliers | None = None
+    timings: Mapping[str, float] = field(default_factory=dict)
+    """[s] where the time went, by what was done"""
+
+
+Start = Array | Solution | None
+"""Where to begin: a full variable vector, or a solution of a similar problem, whose multipliers help too."""
 
 
 class MotionSolver(Protocol):
     """`motion/solver=…`"""
 
-    def solve(self, problem: Problem, start: Array | None = None) -> Solution:
+    def solve(self, problem: Problem, start: Start = None) -> Solution:
         """Solve from `start` (the problem's own guess when None)."""
         ...

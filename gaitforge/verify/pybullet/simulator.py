@@ -23,6 +23,7 @@ from gaitforge.verify.trace import Trace
 
 Array = NDArray[np.float64]
 REPORTS = 100
+CONE_ITERATIONS = 500
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,14 @@ class PyBulletSimulator:
         return self.friction if self.friction_cone else self.friction / float(np.sqrt(2.0))
 
     def run(self, robot: RobotModel, timeline: Timeline, scene: Scene, progress: Progress | None = None) -> Trace:
-        """Execute the timeline; SimulationError when PyBullet refuses the robot."""
+        """Execute the timeline; SimulationError when PyBullet refuses the robot.
+
+        Where a load is grasped, friction is Coulomb's cone with the iterations it wants: with the pyramid PyBullet
+        leaves spinning friction out, and a box between two tips swings like a pendulum.
+        """
+        if any(entry.plan.holdings for entry in timeline.entries) and not self.friction_cone:
+            exact = replace(self, friction_cone=True, solver_iterations=max(self.solver_iterations, CONE_ITERATIONS))
+            return exact.run(robot, timeline, scene, progress)
         rows = int(np.floor(timeline.duration * self.rate_hz + 1e-6)) + 1
         times = np.arange(rows) / self.rate_hz
         # A periodic spline is back at its start at the very end, so the last sample is taken just before it.
@@ -105,7 +113,7 @@ class PyBulletSimulator:
         world.place_robot(pose, plan.joint_positions[0])
         still = np.zeros(len(robot.joint_names))
         for _ in range(round(self.settle_s * self.rate_hz)):
-            self._command(world, robot, plan.joint_positions[0], still)
+            self._command(world, robot, plan.joint_positions[0], still, plan.efforts[0])
             world.p.stepSimulation(physicsClientId=world.client)
 
     def _walk(
@@ -130,7 +138,8 @@ class PyBulletSimulator:
                     (float(plan.times[row]), camera_picture(world, camera, self.camera_size, self.camera_fov_deg))
                 )
                 due += 1.0 / self.camera_hz
-            self._command(world, robot, plan.joint_positions[row], self.velocity_feedforward * speeds[row])
+            ahead = self.velocity_feedforward * speeds[row]
+            self._command(world, robot, plan.joint_positions[row], ahead, plan.efforts[row])
             world.p.stepSimulation(physicsClientId=world.client)
             recorder.contacts(row)
             recorder.state(row + 1)
@@ -138,10 +147,10 @@ class PyBulletSimulator:
                 progress((row + 1) / rows)
         return images
 
-    def _command(self, world: World, robot: RobotModel, positions: Array, velocities: Array) -> None:
+    def _command(self, world: World, robot: RobotModel, positions: Array, velocities: Array, efforts: Array) -> None:
         set_motor: Any = world.p.setJointMotorControl2
         body, mode, client, gain = world.robot, world.p.POSITION_CONTROL, world.client, self.position_gain
-        rows = zip(world.joints, positions.tolist(), velocities.tolist(), robot.effort, robot.velocity, strict=True)
+        rows = zip(world.joints, positions.tolist(), velocities.tolist(), efforts.tolist(), robot.velocity, strict=True)
         for joint, q, dq, effort, speed in rows:
             set_motor(
                 body,

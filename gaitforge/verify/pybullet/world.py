@@ -23,6 +23,9 @@ GRAVITY = 9.81
 """[m/s²]"""
 MAX_JOINTS = 127
 """A body with more joints (fixed ones count) loads and steps, but answers no state call."""
+TORSION_M = 0.01
+"""[m] torque about the normal of a contact with a movable object, per newton of normal force: what the patch of a
+rubber tip some 15 mm across gives"""
 MASS_TOLERANCE = 1e-6
 """Relative"""
 
@@ -190,5 +193,10 @@ def add_object(p: Any, client: int, item: SceneObject, color: tuple[float, ...] 
         **{f"visual{key}": value for key, value in places.items()},
     )
     body = p.createMultiBody(item.mass, shape, visual, item.xyz, quaternions(item.rpy).tolist(), physicsClientId=client)
-    p.changeDynamics(body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
+    # Bullet's spinning friction of a pair is the sum of each body's times the other's friction: only objects have some.
+    spin = TORSION_M if item.movable else 0.0
+    p.changeDynamics(
+        body, -1, lateralFriction=1.0, spinningFriction=spin, restitution=0.0, linearDamping=0.0, angularDamping=0.0,
+        physicsClientId=client,
+    )  # fmt: skip
     return int(body)

@@ -1,0 +1,84 @@
+"""One transition between two gaits: planned once, executed and judged in every simulator."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+from gaitforge.experiment.experiment import Row, Tools
+from gaitforge.experiment.gaits import GaitCase, PlannedGait, begun_at, robot_called
+from gaitforge.experiment.judged import change_row
+from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.task.scene import Scene
+
+if TYPE_CHECKING:
+    from gaitforge.motion.timeline import Timeline
+    from gaitforge.pipeline.segment import Segment
+
+
+@dataclass(frozen=True, eq=False)
+class ChangeJob:
+    """Start, gait a, the transition, gait b, stop."""
+
+    before: GaitCase
+    after: GaitCase
+    method: Literal["optimise", "interpolate"]
+    cycles: tuple[int, int] = (2, 2)
+    """Of the gaits before and after."""
+    published_m_s: float | None = None
+    """Speed that the literature gives for this transition [m/s]"""
+    plans: tuple[PlannedGait | Exception, PlannedGait | Exception] | None = None
+    """Both gaits, or why there is none."""
+
+    @property
+    def key(self) -> str:
+        """``robot.before_to_after.method``"""
+        return f"{self.before.robot}.{self.before.phase.name}_to_{self.after.phase.name}.{self.method}"
+
+    @property
+    def case(self) -> Row:
+        """What identifies the rows."""
+        return {
+            "robot": self.before.robot,
+            "before": self.before.phase.name,
+            "after": self.after.phase.name,
+            "method": self.method,
+            "published_m_s": self.published_m_s,
+        }
+
+    def measure(self, tools: Tools) -> Sequence[Row]:
+        """One row a simulator; errors of planning leave this function."""
+        from gaitforge.verify.verify import verify_timeline
+
+        begin = time.perf_counter()
+        change, timeline = self._planned(tools)
+        planning = time.perf_counter() - begin
+        rows = []
+        for name, simulator in tools.simulators.items():
+            verdict = verify_timeline(
+                timeline.robot, timeline, Scene(), simulator=simulator, limits=tools.options.limits
+            )
+            rows.append({**self.case, "simulator": name, **change_row(verdict, change), "plan_s": planning})
+            if tools.logs is not None:
+                tools.logs.mkdir(parents=True, exist_ok=True)
+                tools.options.recorder.write(tools.logs / f"{self.key}.{name}.mcap", timeline.robot, verdict)
+        return rows
+
+    def _planned(self, tools: Tools) -> tuple[Segment, Timeline]:
+        from gaitforge.motion.timeline_build import build_timeline
+        from gaitforge.pipeline.transitions import meeting, plan_change
+
+        assert self.plans is not None
+        for plan in self.plans:
+            if isinstance(plan, Exception):
+                raise plan
+        old, new = (plan for plan in self.plans if isinstance(plan, PlannedGait))
+        robot, options = robot_called(self.before.robot), replace(tools.options, transition=self.method)
+        change = plan_change(robot, old.plan, new.plan, options, Stopwatch())
+        met = meeting(old.plan, new.plan, change.plan.pattern, options)
+        old, new = (begun_at(robot, planned, plan, options) for planned, plan in zip((old, new), met, strict=True))
+        first, last = self.cycles
+        parts = [(old.start, 1), (old.plan, first), (change.plan, 1), (new.plan, last), (new.stop, 1)]
+        return change, build_timeline(robot, parts, Scene())

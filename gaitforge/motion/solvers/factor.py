@@ -1,0 +1,62 @@
+"""LDLᵀ of the KKT matrix on a pattern that stays, with its inertia."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from gaitforge.motion.solvers.native import library
+from gaitforge.motion.solvers.supernodal import Supernodal
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class Factor(Protocol):
+    """LDLᵀ of a symmetric matrix whose pattern was given before."""
+
+    def factor(self, values: Array) -> int | None:
+        """Factor K with these nonzeros (upper triangle by columns); its number of negative pivots, None on failure."""
+        ...
+
+    def solve(self, right: Array) -> Array:
+        """K⁻¹ right, for the values factored last."""
+        ...
+
+
+def factor_of(indices: Ints, indptr: Ints, native: bool) -> Factor:
+    """The compiled factorisation where it is wanted and there is a compiler, qdldl elsewhere."""
+    compiled = library("ldl.c") if native else None
+    return Qdldl(indices, indptr) if compiled is None else Supernodal(indices, indptr, compiled)
+
+
+class Qdldl:
+    """qdldl: quasi-definite LDLᵀ with AMD, ordered once and refactored in place."""
+
+    def __init__(self, indices: Ints, indptr: Ints) -> None:
+        dimension = len(indptr) - 1
+        self._matrix = sparse.csc_matrix((np.zeros(len(indices)), indices, indptr), shape=(dimension, dimension))
+        self._solver: Any = None
+
+    def factor(self, values: Array) -> int | None:
+        """Factor K with these nonzeros (upper triangle by columns); its number of negative pivots, None on failure."""
+        import qdldl
+
+        self._matrix.data[:] = values
+        try:
+            if self._solver is None:
+                self._solver = qdldl.Solver(self._matrix, upper=True)
+            else:
+                self._solver.update(self._matrix, upper=True)
+        except (RuntimeError, ValueError):  # a pivot of zero
+            self._solver = None
+            return None
+        pivots = self._solver.factors()[1]
+        return int((pivots < 0).sum()) if np.isfinite(pivots).all() else None
+
+    def solve(self, right: Array) -> Array:
+        """K⁻¹ right, for the values factored last."""
+        return np.asarray(self._solver.solve(right))

@@ -1,0 +1,89 @@
+"""The fast solver: interior points on a structure that is analysed once; IPOPT where it fails."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field, replace
+
+from gaitforge.motion.problem import Problem
+from gaitforge.motion.solvers.interior_point import InteriorPoint, Rules
+from gaitforge.motion.solvers.ipopt import Ipopt
+from gaitforge.motion.solvers.solution import MotionSolver, Solution, Start
+from gaitforge.motion.solvers.workspace import workspace_of
+
+
+@dataclass(frozen=True)
+class Structured:
+    """Primal–dual interior points with exact derivatives, see `interior_point`.
+
+    What does not depend on numbers (places of the kernels' outputs, pattern and ordering of the KKT
+    matrix, buffers) is remembered for problems of the same structure.
+    """
+
+    max_iterations: int = 60
+    tolerance: float = 1e-6
+    """Largest entry of ∇L, scaled by the size of the multipliers"""
+    residual: float = 1e-7
+    """Largest violation of a row or bound that counts as solved [SI units of the row]"""
+    gap: float = 1e-5
+    """Σ z t, how much the bounds' barrier may still cost, as a share of the cost"""
+    initial_barrier: float = 1e-2
+    regularisation: float = 1e-8
+    """On the diagonal of the KKT matrix, so that no pivot is zero"""
+    patience: int = 15
+    """Iterations in which infeasibility has to halve"""
+    native: bool = True
+    """Use code compiled on this machine where there is a C compiler; slower without, otherwise the same"""
+    fallback: MotionSolver | None = field(default_factory=Ipopt)
+    """Asked when this one fails; None: the failure stands"""
+
+    def solve(self, problem: Problem, start: Start = None) -> Solution:
+        """Solve from `start` (the problem's own guess when None)."""
+        begin = time.perf_counter()
+        found = self._solve(problem, start, begin)
+        if found.solved or self.fallback is None:
+            return found
+        other = self.fallback.solve(problem, start)
+        return replace(
+            other,
+            status=f"{other.status} (structured: {found.status})",
+            iterations=found.iterations + other.iterations,
+            seconds=time.perf_counter() - begin,
+        )
+
+    def _solve(self, problem: Problem, start: Start, begin: float) -> Solution:
+        workspace = workspace_of(problem, self.native)
+        structure = workspace.structure
+        prepared = time.perf_counter() - begin
+        known = start.multipliers if isinstance(start, Solution) else None
+        x = start.x if isinstance(start, Solution) else problem.x0 if start is None else start
+        method = InteriorPoint(problem, workspace, self._rules())
+        point, status = method.run(method.begin(x[structure.free], known))
+        full = problem.bounds[0].copy()  # constants stand at their bounds
+        full[structure.free] = point.x
+        worst = problem.violations(full, workspace.evaluation.rows)
+        seconds = time.perf_counter() - begin
+        timings = {"structure": prepared, **method.timings}
+        return Solution(
+            full,
+            status == "solved",
+            status,
+            method.iterations,
+            seconds,
+            workspace.evaluation.cost,
+            float(max((v[0] for v in worst.values()), default=0.0)),
+            worst,
+            method.multipliers(point),
+            {**timings, "rest": seconds - sum(timings.values())},
+        )
+
+    def _rules(self) -> Rules:
+        return Rules(
+            self.max_iterations,
+            self.tolerance,
+            self.residual,
+            self.gap,
+            self.initial_barrier,
+            self.regularisation,
+            self.patience,
+        )
