@@ -40,6 +40,8 @@ class MotionOptions:
     ground_tolerance: float = 0.6e-3
     """[m] how deep the spline may push a foot below the ground between samples: stiff limbs answer by
     rocking on few feet and by sliding on many; a finer grid is the remedy"""
+    slip_tolerance: float = 3e-3
+    """[m] how far the spline may drag a foot in one stance; a finer grid is the remedy"""
     finest: int = 6
     """Most samples a column that refinement may use."""
     stand_seconds: float = 1.0

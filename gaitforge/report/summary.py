@@ -82,9 +82,19 @@ def segment_entry(plan: MotionPlan, measured: float | None = None, name: str | N
         "solve_s": plan.report.seconds,
         "cost": plan.report.cost,
         "relaxed": [*plan.pattern.relaxed, *plan.relaxed],
+        **_refined(plan),
         **carried,
         **table,
     }
+
+
+def _refined(plan: MotionPlan) -> dict[str, Any]:
+    """What the dense check measured, and one entry a solve of refinement; none for a plan that was not optimised."""
+    details = plan.report.details
+    if "refined" not in details:
+        return {}
+    measured = {k: v for k, v in details.items() if isinstance(v, (int, float)) and k not in ("rows", "variables")}
+    return {"refined": list(details["refined"]), "dense": measured}
 
 
 def segment_entries(timeline: Timeline, speeds: Sequence[float] = ()) -> list[dict[str, Any]]:

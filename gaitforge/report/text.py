@@ -20,7 +20,17 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def segments_text(summary: Mapping[str, Any]) -> str:
     """Gaits, transitions and stands with planned and measured speed."""
-    header = ("segment", "kind", "limbs", "source", "columns", "time [s]", "planned [cm/s]", "measured [cm/s]")
+    header = (
+        "segment",
+        "kind",
+        "limbs",
+        "source",
+        "columns",
+        "time [s]",
+        "solves",
+        "planned [cm/s]",
+        "measured [cm/s]",
+    )
     rows = [
         (
             segment["name"],
@@ -29,6 +39,7 @@ def segments_text(summary: Mapping[str, Any]) -> str:
             segment["source"],
             str(segment["columns"]),
             f"{segment['duration_s']:.2f}",
+            _solves(segment),
             _cm(segment["speed_planned_m_s"]),
             _cm(segment["speed_measured_m_s"]),
         )
@@ -71,6 +82,13 @@ def mark(check: Mapping[str, Any]) -> str:
 def number(value: float | None) -> str:
     """Four digits, or a dash for what is not there."""
     return "–" if value is None else f"{value:.4g}"
+
+
+def _solves(segment: Mapping[str, Any]) -> str:
+    """How many solves a plan took, and which families asked for more than one."""
+    refined = segment.get("refined", [])
+    asked = list(dict.fromkeys(family for entry in refined for family in entry["for"]))
+    return f"{len(refined)}" + (f" ({', '.join(asked)})" if asked else "") if refined else "–"
 
 
 def _cm(speed: float | None) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.family import Family, carried, carried_back
 from gaitforge.motion.problem import Kernel, Problem, kernel
-from gaitforge.motion.trajectory import Discretisation, Trajectory, planar_motion, smooth_step
+from gaitforge.motion.trajectory import Discretisation, Trajectory, planar_motion, smooth_step, swings
 
 
 @dataclass(frozen=True)
@@ -61,16 +61,7 @@ def _motions(grid: Discretisation) -> NDArray[np.float64]:
     """(K + 1, 3) motion of the commanded frame over 0, 1, … intervals (none outside gaits)."""
     if not grid.cyclic:
         return np.zeros((grid.samples + 1, 3))
-    return np.array([planar_motion(grid.command, n * grid.dt) for n in range(grid.samples + 1)])
-
-
-def swings(ground: NDArray[np.bool_], cyclic: bool) -> list[tuple[int, int]]:
-    """(last ground sample, first ground sample after it) of every swing that has both; the latter may exceed K."""
-    stands = np.flatnonzero(ground)
-    if not len(stands):
-        return []
-    following = np.append(stands[1:], stands[0] + len(ground)) if cyclic else stands[1:]
-    return [(int(a), int(b)) for a, b in zip(stands, following, strict=False) if b - a > 1]
+    return planar_motion(grid.command, np.arange(grid.samples + 1) * grid.dt)
 
 
 def swing_share(ground: NDArray[np.bool_], cyclic: bool) -> NDArray[np.float64]:
