@@ -74,6 +74,17 @@ class PhaseConf:
     duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
+    object: str | None = None
+    limbs: list[str] | None = None
+    squeeze: float | None = None
+    lift: float | None = None
+    grip_height: float | None = None
+    grip_spread: float | None = None
+    ready_aside: float | None = None
+    ready_above: float | None = None
+    crouch: float | None = None
+    onto: str | None = None
+    failure: Any = None
 
 
 @dataclass
@@ -95,6 +106,9 @@ class TaskConf:
     duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
+    limbs: list[str] | None = None
+    mode: str | None = None
+    at: float | None = None
 
 
 @dataclass

@@ -1,9 +1,11 @@
-"""Collision capsules of the limbs, and the distances between limbs."""
+"""Collision capsules of the limbs, and the distances between limbs and to the trunk."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from gaitforge.robot.kinematics import LimbPoses
 from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 BASE = -1
 
 
@@ -29,7 +32,7 @@ class LimbCapsule:
 
 
 class Closest(NamedTuple):
-    """The nearest two material points of two capsules at one sample."""
+    """The nearest two material points of two bodies about one sample."""
 
     sample: int
     first: LimbCapsule
@@ -38,11 +41,22 @@ class Closest(NamedTuple):
     """(3,) in the frame of the first capsule's body"""
     second_point: Array
     gap: float
-    """[m] between the surfaces"""
+    """[m] between the surfaces, the smallest from half an interval before the sample to half an interval after"""
+    dip: float = 0.0
+    """[m] how much of that is lost between the samples"""
+
+
+_known: WeakKeyDictionary[RobotModel, tuple[LimbCapsule, ...]] = WeakKeyDictionary()
 
 
 def limb_capsules(robot: RobotModel) -> tuple[LimbCapsule, ...]:
     """All capsules, in the frames of the bodies that joints move; tool joints at their nominal position."""
+    if robot not in _known:
+        _known[robot] = _limb_capsules(robot)
+    return _known[robot]
+
+
+def _limb_capsules(robot: RobotModel) -> tuple[LimbCapsule, ...]:
     import pinocchio
 
     owner = {link: i for i, limb in enumerate(robot.limbs) for link in limb.links}
@@ -69,63 +83,108 @@ def limb_capsules(robot: RobotModel) -> tuple[LimbCapsule, ...]:
     return tuple(found)
 
 
-def ends_in_base(capsule: LimbCapsule, poses: dict[int, LimbPoses], samples: int) -> tuple[Array, Array]:
+def ends_in_base(capsule: LimbCapsule, poses: dict[int, LimbPoses], times: int) -> tuple[Array, Array]:
     """(n, 3) both ends of a capsule in the base frame."""
     if capsule.limb == BASE:
-        return np.tile(capsule.a, (samples, 1)), np.tile(capsule.b, (samples, 1))
+        return np.tile(capsule.a, (times, 1)), np.tile(capsule.b, (times, 1))
     pose = poses[capsule.limb]
     origin, turn = pose.origins[:, capsule.joint], pose.turns[:, capsule.joint]
     return origin + turn @ capsule.a, origin + turn @ capsule.b
 
 
-def closest_pairs(capsules: tuple[LimbCapsule, ...], poses: dict[int, LimbPoses], margin: float) -> list[Closest]:
-    """Every pair of capsules on different limbs (or limb and base, first bodies excepted) nearer than `margin`."""
-    samples = len(next(iter(poses.values())).foot)
-    ends = [ends_in_base(c, poses, samples) for c in capsules]
+def swept(capsules: tuple[LimbCapsule, ...], poses: dict[int, LimbPoses]) -> tuple[Array, Array, Array]:
+    """Ends a, b (C, n, 3) of the capsules in the base frame and their radii (C,) [m]."""
+    times = len(next(iter(poses.values())).foot)
+    ends = [ends_in_base(c, poses, times) for c in capsules]
+    return np.array([e[0] for e in ends]), np.array([e[1] for e in ends]), np.array([c.radius for c in capsules])
+
+
+def closest_pairs(
+    capsules: tuple[LimbCapsule, ...], poses: dict[int, LimbPoses], margin: float, per_interval: int = 1
+) -> list[Closest]:
+    """Every pair of capsules on different limbs (or limb and base, first bodies excepted) nearer than `margin` [m].
+
+    `poses` at `per_interval` times an interval, the samples among them; a pair is given once a sample.
+    """
+    a, b, radius = swept(capsules, poses)
+    first, second = _near_limbs(capsules, a, b, radius, margin)
+    reach = radius[first] + radius[second] + margin
+    middle, half = 0.5 * (a + b), 0.5 * np.linalg.norm(b[:, 0] - a[:, 0], axis=1)
+    apart = middle[first] - middle[second]
+    near = np.einsum("pni,pni->pn", apart, apart) < ((half[first] + half[second] + reach)[:, None]) ** 2
+    pair, k = np.nonzero(near)
+    i, j = first[pair], second[pair]
+    s, t, distance = segment_distance(a[i, k], b[i, k], a[j, k], b[j, k])
+    gap = np.full(near.shape, np.inf)
+    gap[pair, k] = distance - radius[i] - radius[j]
+    share = np.zeros((*near.shape, 2))
+    share[pair, k, 0], share[pair, k, 1] = s, t
+    return [
+        _closest(capsules[first[p]], capsules[second[p]], share[p, at], worst, at, at_sample, sample)
+        for p, sample, at, worst, at_sample in hits(gap, margin, per_interval)
+    ]
+
+
+def hits(gap: Array, margin: float, per_interval: int) -> list[tuple[int, int, int, float, float]]:
+    """(row, sample, time of the smallest gap about it, that gap, the gap at the sample) where the gap is < `margin`.
+
+    `gap` (P, n) [m] at `per_interval` times an interval; infinite where it is known to be larger than `margin`.
+    """
+    times = gap.shape[1]
+    half = per_interval // 2
     found = []
-    for i, first in enumerate(capsules):
-        for j in range(i + 1, len(capsules)):
-            second = capsules[j]
-            if not _may_meet(first, second):
-                continue
-            reach = first.radius + second.radius + margin
-            s, t, distance = segment_distance(*ends[i], *ends[j], bound=reach)
-            for k in np.flatnonzero(distance < reach):
-                p = first.a + s[k] * (first.b - first.a)
-                q = second.a + t[k] * (second.b - second.a)
-                gap = float(distance[k] - first.radius - second.radius)
-                found.append(Closest(int(k), first, second, p, q, gap))
+    for p in np.flatnonzero((gap < margin).any(axis=1)):
+        for sample in range((times - 1) // per_interval + 1):
+            at = sample * per_interval
+            begin, end = max(0, at - half), min(times, at + half + 1)
+            worst = begin + int(gap[p, begin:end].argmin())
+            if gap[p, worst] < margin:
+                found.append((int(p), sample, worst, float(gap[p, worst]), float(min(gap[p, at], margin))))
     return found
 
 
-def _may_meet(first: LimbCapsule, second: LimbCapsule) -> bool:
-    if first.limb == second.limb:
-        return False
-    if BASE in (first.limb, second.limb):
-        return max(first.joint, second.joint) >= 1  # the first body of a limb sits at the base for good
-    return True
+def _closest(
+    first: LimbCapsule, second: LimbCapsule, share: Array, gap: float, at: int, at_sample: float, sample: int
+) -> Closest:
+    p, q = (c.a + s * (c.b - c.a) for c, s in ((first, share[0]), (second, share[1])))
+    return Closest(sample, first, second, p, q, gap, max(0.0, at_sample - gap))
 
 
-def segment_distance(a: Array, b: Array, c: Array, d: Array, bound: float) -> tuple[Array, Array, Array]:
-    """Nearest points a + s (b − a) and c + t (d − c) of segments (n, 3): s, t and the distance, each (n,).
+def _near_limbs(
+    capsules: tuple[LimbCapsule, ...], a: Array, b: Array, radius: Array, margin: float
+) -> tuple[Index, Index]:
+    """Pairs of capsules (two index vectors) on limbs whose bounding boxes come nearer than `margin` at some time."""
+    first, second = _may_meet(capsules)
+    low = np.minimum(a, b) - radius[:, None, None]
+    high = np.maximum(a, b) + radius[:, None, None]
+    owner = np.array([c.limb for c in capsules])
+    names, limb = np.unique(owner, return_inverse=True)
+    lower = np.array([low[owner == n].min(axis=0) for n in names])  # (limbs, n, 3)
+    upper = np.array([high[owner == n].max(axis=0) for n in names])
+    between = np.maximum(lower[:, None] - upper[None], lower[None] - upper[:, None]).max(axis=-1)
+    meet = (between < margin).any(axis=-1)[limb[first], limb[second]]
+    return first[meet], second[meet]
 
-    Pairs whose midpoints are farther apart than half lengths plus `bound` are left at an infinite distance.
-    """
-    n = len(a)
-    s, t, distance = np.zeros(n), np.zeros(n), np.full(n, np.inf)
-    u, v = b - a, d - c
-    half = 0.5 * (np.linalg.norm(u, axis=1) + np.linalg.norm(v, axis=1))
-    near = np.flatnonzero(np.linalg.norm(0.5 * (a + b - c - d), axis=1) < half + bound)
-    if not len(near):
-        return s, t, distance
-    u, v, w = u[near], v[near], (a - c)[near]
-    uu, vv = (u * u).sum(1) + 1e-15, (v * v).sum(1) + 1e-15
-    uv, uw, vw = (u * v).sum(1), (u * w).sum(1), (v * w).sum(1)
+
+@lru_cache(maxsize=16)
+def _may_meet(capsules: tuple[LimbCapsule, ...]) -> tuple[Index, Index]:
+    """Pairs on different limbs; the first body of a limb sits at the base for good."""
+    limb, joint = np.array([c.limb for c in capsules]), np.array([c.joint for c in capsules])
+    first, second = np.triu_indices(len(capsules), 1)
+    base = (limb[first] == BASE) | (limb[second] == BASE)
+    keep = (limb[first] != limb[second]) & (~base | (np.maximum(joint[first], joint[second]) >= 1))
+    return first[keep], second[keep]
+
+
+def segment_distance(a: Array, b: Array, c: Array, d: Array) -> tuple[Array, Array, Array]:
+    """Nearest points a + s (b − a) and c + t (d − c) of segments (n, 3): s, t and the distance, each (n,)."""
+    u, v, w = b - a, d - c, a - c
+    uu, vv = (np.einsum("ni,ni->n", x, x) + 1e-15 for x in (u, v))
+    uv, uw, vw = (np.einsum("ni,ni->n", x, y) for x, y in ((u, v), (u, w), (v, w)))
     denominator = uu * vv - uv * uv
-    sn = np.where(denominator > 1e-12, np.clip((uv * vw - vv * uw) / np.maximum(denominator, 1e-15), 0, 1), 0.5)
-    tn = np.clip((uv * sn + vw) / vv, 0, 1)
-    sn = np.clip((uv * tn - uw) / uu, 0, 1)
-    tn = np.clip((uv * sn + vw) / vv, 0, 1)
-    gap = w + sn[:, None] * u - tn[:, None] * v
-    s[near], t[near], distance[near] = sn, tn, np.linalg.norm(gap, axis=1)
-    return s, t, distance
+    s = np.where(denominator > 1e-12, np.clip((uv * vw - vv * uw) / np.maximum(denominator, 1e-15), 0, 1), 0.5)
+    t = np.clip((uv * s + vw) / vv, 0, 1)
+    s = np.clip((uv * t - uw) / uu, 0, 1)
+    t = np.clip((uv * s + vw) / vv, 0, 1)
+    gap = w + s[:, None] * u - t[:, None] * v
+    return s, t, np.linalg.norm(gap, axis=1)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.bodies import Closest, closest_pairs, limb_capsules
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.robot.kinematics import LimbPoses, evaluate_limb, limb_parameters
+from gaitforge.motion.trunk import closest_to_trunk
+from gaitforge.robot.kinematics import LimbPoses, evaluate_limbs
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import matrices
 
@@ -33,7 +34,7 @@ class DenseReport:
     swing_clearance: float
     """[m] lowest a swinging foot is away from landing and lifting (mid-swing), inf without swings"""
     close: tuple[Closest, ...]
-    """Bodies nearer to each other than the margin asked for, at samples"""
+    """Bodies nearer to each other than the margin asked for, about each sample: limbs to limbs and to the trunk"""
 
     @property
     def gap(self) -> float:
@@ -48,6 +49,8 @@ class DenseReport:
             "penetration_m": self.penetration,
             "lift_m": self.lift,
             "slip_m": self.slip,
+            "swing_clearance_m": self.swing_clearance,
+            "gap_m": self.gap,
         }
 
 
@@ -57,15 +60,13 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
     times = np.linspace(0.0, plan.duration, intervals * per_interval + 1)
     joints, rates = plan.joint_spline(times), plan.joint_spline(times, 1)
     base = plan.base_spline(times)
-    poses = {
-        i: evaluate_limb(joints[:, robot.joint_indices(limb)], limb_parameters(robot, limb))
-        for i, limb in enumerate(robot.limbs)
-    }
+    poses = evaluate_limbs(robot, joints)
     turns = matrices(base[:, 3:6])
     held = np.repeat(plan.pattern.contact.T, plan.samples_per_column * per_interval, axis=0)
     worst = [_foot(robot, i, poses[i], turns, base, held[:, i], plan.pattern.cyclic) for i in poses]
     deep, lift, slip, clear = (np.array(v) for v in zip(*worst, strict=True))
-    at_samples = {i: LimbPoses(*(a[::per_interval] for a in pose)) for i, pose in poses.items()}
+    close = closest_pairs(limb_capsules(robot), poses, margin, per_interval)
+    close += closest_to_trunk(robot, poses, margin, per_interval)
     return DenseReport(
         speed_ratio=np.abs(rates).max(axis=0) / robot.velocity,
         limit_excess=np.maximum(joints - robot.upper, robot.lower - joints).max(axis=0),
@@ -73,7 +74,7 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
         lift=float(lift.max()),
         slip=float(slip.max()),
         swing_clearance=float(clear.min()),
-        close=tuple(closest_pairs(limb_capsules(robot), at_samples, margin)),
+        close=tuple(close),
     )
 
 
@@ -91,10 +92,10 @@ def _foot(
     forth = np.einsum("nij,nj->ni", rolled[1:], rolled[:-1, 2])
     back = np.einsum("nij,nj->ni", rolled[:-1], rolled[1:, 2])
     creep = (centre[1:] - centre[:-1] - radius * 0.5 * (forth - back))[:, :2]
-    slip, run = 0.0, np.zeros(2)
-    for k, stance in enumerate(held):
-        run = run + creep[k] if stance else np.zeros(2)
-        slip = max(slip, float(np.linalg.norm(run)))
+    way = np.cumsum(np.where(held[:, None], creep, 0.0), axis=0)
+    lifts = np.maximum.accumulate(np.where(held, -1, np.arange(len(held))))  # the last time it was in the air
+    begun = np.where(lifts[:, None] >= 0, way[lifts], 0.0)
+    slip = float(np.linalg.norm(way - begun, axis=1).max())
     air = ~on & ~np.roll(on, 1) & ~np.roll(on, -1)
     clear = float(height[air].min()) if air.any() else float("inf")
     return float(max(0.0, -height.min())), float(height[on].max()), slip, clear

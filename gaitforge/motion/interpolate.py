@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import Command, MotionPlan, SolveReport
+from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -32,8 +33,6 @@ def interpolate(robot: RobotModel, before: MotionPlan, after: MotionPlan, name: 
     change = (after(0.0) - before(0.0)) / duration
     rates = [_rate(plan.joint_spline, plan, share, duration) for plan, share in ((before, 0.0), (after, 1.0))]
     base, base_rates = _blended_base(before, after, share, duration)
-    feet = np.array([robot.foot_positions(b, q) for b, q in zip(base, joints, strict=True)])
-    com = np.array([robot.center_of_mass(b, q) for b, q in zip(base, joints, strict=True)])
     contact = np.where(np.arange(columns) < columns / 2, _stretched(before, columns), _stretched(after, columns))
     limbs = before.pattern.limbs
     command = Command(0.5 * (before.command.speed + after.command.speed), before.command.heading)
@@ -44,8 +43,8 @@ def interpolate(robot: RobotModel, before: MotionPlan, after: MotionPlan, name: 
         times=share * duration,
         joint_positions=joints.T.copy(),
         base_poses=base,
-        com=com,
-        feet=feet,
+        com=robot.center_of_mass(base, joints),
+        feet=feet_in_world(robot, base, joints),
         weights=np.zeros((intervals + 1, 2, len(limbs))),
         command=command,
         roles=dict(after.roles),

@@ -9,8 +9,8 @@ from typing import TypeVar
 from gaitforge.motion.constraints import default_constraints
 from gaitforge.motion.costs import default_costs
 from gaitforge.motion.family import Family
-from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import MotionSolver
+from gaitforge.motion.solvers.structured import Structured
 
 F = TypeVar("F", bound=Family)
 
@@ -40,6 +40,8 @@ class MotionOptions:
     ground_tolerance: float = 0.6e-3
     """[m] how deep the spline may push a foot below the ground between samples: stiff limbs answer by
     rocking on few feet and by sliding on many; a finer grid is the remedy"""
+    slip_tolerance: float = 3e-3
+    """[m] how far the spline may drag a foot in one stance; a finer grid is the remedy"""
     finest: int = 6
     """Most samples a column that refinement may use."""
     stand_seconds: float = 1.0
@@ -54,7 +56,7 @@ class MotionOptions:
     """Cost families."""
     table: bool = False
     """Whether reports say what the problem consists of (`motion.table`)."""
-    solver: MotionSolver = field(default_factory=Ipopt)
+    solver: MotionSolver = field(default_factory=Structured)
 
     def __post_init__(self) -> None:
         for key in ("constraints", "costs"):

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.holding import Holding
 from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Role
 
@@ -97,6 +98,8 @@ class MotionPlan:
     """Nonlocomotive limbs and what they do."""
     loads: tuple[Load, ...] = ()
     """What the robot carries all along."""
+    holdings: tuple[Holding, ...] = ()
+    """Objects in the robot's grasp, or in its reach."""
     stance: Stance | None = None
     """The commanded mean stance of a gait; None: the nominal one."""
     joint_velocity_ends: Array | None = None

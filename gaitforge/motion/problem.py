@@ -21,21 +21,26 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 Builder = Callable[[Any, Any], Any]
+Deriver = Callable[[Any, Any, Any], tuple[Any, Any]]
 
 
 class Kernel:
     """A small function r(v, p) with its Jacobian's nonzeros and the Hessian's of λ·r, ready to map."""
 
-    def __init__(self, variables: int, parameters: int, build: Builder) -> None:
+    def __init__(self, variables: int, parameters: int, build: Builder, derive: Deriver | None = None) -> None:
         import casadi as ca
 
         self._v, self._p = ca.SX.sym("v", variables), ca.SX.sym("p", parameters)
-        self._r = ca.densify(build(self._v, self._p))
+        self._r: Any = ca.densify(build(self._v, self._p))
         self.sizes = (variables, parameters, int(self._r.shape[0]))
         """(variables, parameters, rows)"""
         self._multiplier = ca.SX.sym("m", self.sizes[2])
-        jacobian = ca.jacobian(self._r, self._v)
-        hessian = ca.triu(ca.hessian(ca.dot(self._multiplier, self._r), self._v)[0])
+        if derive is None:
+            jacobian: Any = ca.jacobian(self._r, self._v)
+            hessian: Any = ca.triu(ca.hessian(ca.dot(self._multiplier, self._r), self._v)[0])
+        else:
+            first, second = derive(self._v, self._p, self._multiplier)
+            jacobian, hessian = ca.sparsify(first), ca.sparsify(second)
         self._jacobian, self._hessian = _nonzeros(jacobian), _nonzeros(hessian)
         self.jacobian_rc: tuple[Index, Index] = _triplets(jacobian)
         self.hessian_rc: tuple[Index, Index] = _triplets(hessian)
@@ -71,11 +76,15 @@ class Kernel:
 _kernels: dict[Any, Kernel] = {}
 
 
-def kernel(key: Any, variables: int, parameters: int, build: Builder) -> Kernel:
-    """Compile `build(v, p)` (CasADi SX column vectors in and out), once per key and process."""
+def kernel(key: Any, variables: int, parameters: int, build: Builder, derive: Deriver | None = None) -> Kernel:
+    """Compile `build(v, p)` (CasADi SX column vectors in and out), once per key and process.
+
+    `derive(v, p, λ)` gives ∂r/∂v and the upper triangle of ∇² λ·r where someone knows them better than
+    automatic differentiation does.
+    """
     full = (key, variables, parameters)
     if full not in _kernels:
-        _kernels[full] = Kernel(variables, parameters, build)
+        _kernels[full] = Kernel(variables, parameters, build, derive)
     return _kernels[full]
 
 

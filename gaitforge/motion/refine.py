@@ -2,55 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
-from gaitforge.motion.bodies import Closest
-from gaitforge.motion.constraints.clearance import Clearance
-from gaitforge.motion.constraints.joint_speed import JointSpeed
 from gaitforge.motion.dense import DenseReport, check_densely
 from gaitforge.motion.effort import effort_ratios
-from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.remedies import NEAR_M, Remedies, misses
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.solvers.solution import Solution
 from gaitforge.motion.zmp import zero_moment_point
-
-NEAR_M = 0.01
-"""[m] pairs of bodies this much farther apart than the clearance are watched, too"""
-
-
-@dataclass
-class _Remedies:
-    """What refinement has added so far."""
-
-    shares: dict[int, float] = field(default_factory=dict)
-    """limb → share of its joint speed limits that a whole interval may use"""
-    clearances: list[Clearance] = field(default_factory=list)
-    turns: int = 0
-    iterations: int = 0
-    seconds: float = 0.0
-
-    @property
-    def families(self) -> list[Family]:
-        return [*(JointSpeed(share, (i,)) for i, share in self.shares.items()), *self.clearances]
 
 
 def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     """A plan whose spline keeps its bounds between samples too; `UnsolvedError` when none was found.
 
-    Joint speeds and clearance are answered with rows, feet pushed into the ground with a finer grid,
-    and a problem without a solution with the next smaller stability share; the plan's `relaxed` and
-    report say which.
+    Joint speeds, position limits and clearance are answered with rows and bounds, feet that the spline pushes
+    into the ground or drags with a finer grid, and a problem without a solution with the next smaller
+    stability share; the plan's `relaxed` and report say which.
     """
     failure: UnsolvedError | None = None
     for share in options.stability_shares:
         try:
-            plan = _finer(segment, replace(options, stability_share=share))
+            plan = _refined(segment, replace(options, stability_share=share))
         except UnsolvedError as error:
             failure = failure or error
             continue
@@ -60,60 +40,83 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     raise failure
 
 
-def _finer(segment: Segment, options: MotionOptions) -> MotionPlan:
-    """Solve on the asked grid; when the spline pushes feet into the ground, on one that is as fine as needed."""
-    remedies = _Remedies(_role_changes(segment))
-    start: NDArray[np.float64] | None = None
+def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
+    """Solve on the asked grid, then with what the dense check asks for."""
+    remedies, answered = Remedies(_role_changes(segment)), tuple[str, ...]()
+    start: Solution | None = None
     for turn in range(options.refinements + 1):
-        solution, plan = segment.solve(options, remedies.families, start)
-        remedies.seconds += plan.report.seconds
-        remedies.iterations += solution.iterations
+        solution, plan = segment.solve(remedies.applied(options), remedies.families, start)
+        remedies.record(answered, plan.report)
         if not solution.solved:
             raise _unsolved(segment, solution, turn)
         report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
-        now, start = segment.grid.samples_per_column, solution.x
-        if report.penetration > options.ground_tolerance and now < options.finest:
-            finer = min(options.finest, int(np.ceil(now * report.penetration / options.ground_tolerance)))
-            segment, start = segment.on_grid(finer), None
-            remedies.clearances.clear()  # their samples are another grid's
-        elif not _remedy(segment, options, report, remedies):
+        missed, start = misses(segment, options, report), solution
+        if not missed:
             return _reported(segment, plan, options, report, remedies)
-        remedies.turns += 1
-    missed = _missed(segment, options, report)
+        answered = tuple(m.family for m in missed)
+        finer = _finer(segment, options, report)
+        if finer > segment.grid.samples_per_column:
+            segment, start = segment.on_grid(finer, plan), None
+            remedies.clearances.clear()  # their samples are another grid's
+        else:
+            remedies.answer(segment, options, report)
     raise UnsolvedError(
         f"{segment.name}: after {options.refinements} refinements the spline still misses a bound: "
-        + ", ".join(missed.values()),
+        + ", ".join(m.text for m in missed),
         {
             "segment": segment.name,
-            "families": sorted(missed),
+            "families": sorted({m.family for m in missed}),
+            "limbs": sorted({m.limb for m in missed if m.limb}),
             "advice": "walk slower, take more time, or choose another pattern or posture",
             **report.as_dict(),
         },
     )
 
 
+def _finer(segment: Segment, options: MotionOptions, report: DenseReport) -> int:
+    """Samples a column that ringing of the spline asks for: it falls with the interval about in proportion."""
+    now = segment.grid.samples_per_column
+    ratio = max(report.penetration / options.ground_tolerance, report.slip / options.slip_tolerance)
+    return min(options.finest, int(np.ceil(now * ratio))) if ratio > 1.0 and now < options.finest else now
+
+
 def _reported(
-    segment: Segment, plan: MotionPlan, options: MotionOptions, report: DenseReport, remedies: _Remedies
+    segment: Segment, plan: MotionPlan, options: MotionOptions, report: DenseReport, remedies: Remedies
 ) -> MotionPlan:
+    pressure = zero_moment_point(segment.robot, plan)
     efforts = effort_ratios(segment.robot, plan)
-    details = {
-        "refinements": remedies.turns,
+    details: dict[str, Any] = {
+        "refinements": len(remedies.log) - 1,
+        "refined": remedies.log,
         "samples_per_column": plan.samples_per_column,
         "stability_share": options.stability_share,
         **report.as_dict(),
-        "zmp_margin_m": float(zero_moment_point(segment.robot, plan).margin.min()),
+        "zmp_margin_m": float(pressure.margin.min()),
+        "cop_margin_m": float(pressure.cop_margin.min()),
         "effort_ratio": max(efforts.values()),
         "effort_ratios": efforts,
     }
-    done = replace(plan.report, seconds=remedies.seconds, iterations=remedies.iterations, details=details)
-    deep = report.penetration
-    relaxed = []
-    if deep > options.ground_tolerance:
-        relaxed.append(f"feet {1e3 * deep:.1f} mm into the ground between samples")
+    spent = sum(entry["seconds"] for entry in remedies.log)
+    turns = sum(entry["iterations"] for entry in remedies.log)
+    done = replace(plan.report, seconds=spent, iterations=turns, details=details)
+    return replace(plan, report=done, relaxed=_relaxed(options, report, pressure.margin, efforts))
+
+
+def _relaxed(
+    options: MotionOptions, report: DenseReport, margin: NDArray[np.float64], efforts: Mapping[str, float]
+) -> tuple[str, ...]:
+    """What the spline does not keep and refinement has no answer to, in words."""
+    told = []
+    if report.penetration > options.ground_tolerance:
+        told.append(f"feet {1e3 * report.penetration:.1f} mm into the ground between samples")
+    if report.slip > options.slip_tolerance:
+        told.append(f"feet slip {1e3 * report.slip:.1f} mm in a stance")
+    if margin.min() < 0.0:
+        told.append(f"zero-moment point {-1e3 * margin.min():.1f} mm outside the support polygon")
     weakest = max(efforts, key=efforts.__getitem__)
     if efforts[weakest] > 1.0:
-        relaxed.append(f"limb {weakest} at {efforts[weakest]:.2f} of its effort limit")
-    return replace(plan, report=done, relaxed=tuple(relaxed))
+        told.append(f"limb {weakest} at {efforts[weakest]:.2f} of its effort limit")
+    return tuple(told)
 
 
 def _role_changes(segment: Segment) -> dict[int, float]:
@@ -127,47 +130,6 @@ def _role_changes(segment: Segment) -> dict[int, float]:
         if np.abs(grid.start.joints[rows] - grid.end.joints[rows]).max() > 0.5:
             shares[i] = 0.75
     return shares
-
-
-def _remedy(segment: Segment, options: MotionOptions, report: DenseReport, remedies: _Remedies) -> bool:
-    """Add what helps; False when nothing is needed."""
-    robot, needed = segment.robot, False
-    for i in segment.moving:
-        ratio = float(report.speed_ratio[robot.joint_indices(robot.limbs[i])].max())
-        if ratio > options.speed_share:
-            before = remedies.shares.get(i, options.speed_share)
-            remedies.shares[i] = before * min(0.95, 0.98 * options.speed_share / ratio)
-            needed = True
-    close = [c for c in report.close if not _given(segment, c)]
-    if min((c.gap for c in close), default=np.inf) < 0.5 * options.clearance:
-        near = tuple(c for c in close if c.gap < options.clearance + NEAR_M)
-        remedies.clearances.append(Clearance(near, options.clearance))
-        needed = True
-    return needed
-
-
-def _given(segment: Segment, pair: Closest) -> bool:
-    """Is the sample one that the neighbouring segments have fixed?"""
-    grid = segment.grid
-    first = grid.start is not None and not grid.start.rest and pair.sample == 0
-    last = grid.end is not None and not grid.end.rest and pair.sample == grid.intervals
-    return first or last
-
-
-def _missed(segment: Segment, options: MotionOptions, report: DenseReport) -> dict[str, str]:
-    """Family → in words by how much the spline misses it."""
-    missed = {}
-    if report.penetration > options.ground_tolerance and segment.grid.samples_per_column < options.finest:
-        missed["ground"] = f"a foot {report.penetration * 1e3:.1f} mm in the ground"
-    fast = int(np.argmax(report.speed_ratio))
-    if report.speed_ratio[fast] > options.speed_share:
-        name = segment.robot.joint_names[fast]
-        missed["joint_speed"] = f"{name} at {report.speed_ratio[fast]:.2f} of its speed limit"
-    close = [c for c in report.close if not _given(segment, c)]
-    pair = min(close, key=lambda c: c.gap, default=None)
-    if pair is not None and pair.gap < 0.5 * options.clearance:
-        missed["clearance"] = f"{pair.first.name} {pair.gap * 1e3:.0f} mm from {pair.second.name}"
-    return missed
 
 
 def _unsolved(segment: Segment, solution: Solution, turn: int) -> UnsolvedError:

@@ -13,8 +13,10 @@ from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, Kind, MotionPlan, SolveReport
 from gaitforge.motion.problem import Problem
-from gaitforge.motion.solvers.solution import Solution
+from gaitforge.motion.resample import guess_like
+from gaitforge.motion.solvers.solution import Solution, Start
 from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, lay_out, planar_motion
+from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Role
 
@@ -35,9 +37,17 @@ class Segment:
     """The starting point on a given grid."""
     roles: Mapping[str, Role]
 
-    def on_grid(self, samples_per_column: int) -> Segment:
-        """The same segment with more (or fewer) samples a column."""
-        return replace(self, grid=replace(self.grid, samples_per_column=samples_per_column))
+    def on_grid(self, samples_per_column: int, plan: MotionPlan) -> Segment:
+        """The same segment with more (or fewer) samples a column, begun from a plan on the grid before."""
+        return replace(self.like(plan), grid=replace(self.grid, samples_per_column=samples_per_column))
+
+    def like(self, plan: MotionPlan) -> Segment:
+        """The same segment, looked for near a plan that is much like it."""
+
+        def near(grid: Discretisation) -> Guess:
+            return guess_like(self.robot, plan, grid, self.make_guess(grid), self.moving)
+
+        return replace(self, make_guess=near)
 
     def build(self, options: MotionOptions, extra: Sequence[Family] = ()) -> tuple[Problem, Trajectory]:
         """The motion problem with all families, those of the options and `extra` ones last."""
@@ -61,13 +71,14 @@ class Segment:
         return problem, trajectory
 
     def solve(
-        self, options: MotionOptions, extra: Sequence[Family] = (), start: Array | None = None
+        self, options: MotionOptions, extra: Sequence[Family] = (), start: Start = None
     ) -> tuple[Solution, MotionPlan]:
         """Build and solve; the plan is returned whether solved or not, the solution says which."""
         begin = time.perf_counter()
         problem, trajectory = self.build(options, extra)
         solution = options.solver.solve(problem, start)
-        plan = self._plan(trajectory, solution, time.perf_counter() - begin)
+        size = {"rows": problem.row_count, "variables": problem.size}
+        plan = self._plan(trajectory, solution, time.perf_counter() - begin, size)
         if options.table:
             from gaitforge.motion.table import problem_table
 
@@ -75,7 +86,7 @@ class Segment:
             plan = replace(plan, report=replace(plan.report, table=table))
         return solution, plan
 
-    def _plan(self, trajectory: Trajectory, solution: Solution, seconds: float) -> MotionPlan:
+    def _plan(self, trajectory: Trajectory, solution: Solution, seconds: float, size: Mapping[str, int]) -> MotionPlan:
         grid, x = self.grid, solution.x
         joints = np.tile(self.fixed_joints, (grid.samples, 1))
         for i, index in trajectory.joints.items():
@@ -83,9 +94,6 @@ class Segment:
         base = x[trajectory.base]
         if grid.cyclic:
             joints, base = np.vstack([joints, joints[:1]]), self._in_world(np.vstack([base, base[:1]]))
-        poses = zip(base, joints, strict=True)
-        feet = np.array([self.robot.foot_positions(b, q) for b, q in poses])
-        com = np.array([self.robot.center_of_mass(b, q) for b, q in zip(base, joints, strict=True)])
         ends = (grid.start, grid.end)
         speeds = None if grid.cyclic else np.array([e.joint_velocity for e in ends if e is not None])
         base_speeds = None if grid.cyclic else np.array([e.base_velocity for e in ends if e is not None])
@@ -96,8 +104,8 @@ class Segment:
             times=np.asarray(np.arange(grid.intervals + 1) * grid.dt, dtype=float),
             joint_positions=joints.T.copy(),
             base_poses=base,
-            com=com,
-            feet=feet,
+            com=self.robot.center_of_mass(base, joints),
+            feet=feet_in_world(self.robot, base, joints),
             weights=_weights(trajectory, x),
             command=grid.command,
             roles=dict(self.roles),
@@ -105,19 +113,16 @@ class Segment:
             stance=grid.stance,
             joint_velocity_ends=speeds,
             base_velocity_ends=base_speeds,
-            report=SolveReport(
-                solution.status, solution.iterations, seconds, solution.cost, solution.residual, solution.worst
-            ),
+            report=SolveReport(solution.status, solution.iterations, seconds, solution.cost, solution.residual, size),
         )
 
     def _in_world(self, base: Array) -> Array:
         """Base poses in the moving frame, in the frame of the segment's start."""
         poses = np.array(base)
-        for k in range(len(poses)):
-            x, y, yaw = planar_motion(self.grid.command, k * self.grid.dt)
-            c, s = np.cos(yaw), np.sin(yaw)
-            poses[k, :2] = x + c * base[k, 0] - s * base[k, 1], y + s * base[k, 0] + c * base[k, 1]
-            poses[k, 5] += yaw
+        x, y, yaw = planar_motion(self.grid.command, np.arange(len(poses)) * self.grid.dt).T
+        c, s = np.cos(yaw), np.sin(yaw)
+        poses[:, 0], poses[:, 1] = x + c * base[:, 0] - s * base[:, 1], y + s * base[:, 0] + c * base[:, 1]
+        poses[:, 5] += yaw
         return poses
 
 

@@ -51,6 +51,10 @@ class TimelineSamples:
     """(n,) which repetition of the segment"""
     column: NDArray[np.intp]
     """(n,) column of the segment's pattern"""
+    efforts: Array
+    """(n, n_J) effort [N m] that each joint may use: its own limit, or less where it squeezes a load"""
+    loads: dict[str, Array] = field(default_factory=dict)
+    """name of an object → (n, 6) planned pose of its centre in base_link, NaN while it is not in reach"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +115,22 @@ class Timeline:
         for row, spline, start, end in self.overrides:
             inside = (t >= start) & (t <= end)
             q[inside, row], dq[inside, row] = spline(t[inside]), spline(t[inside], 1)
-        return TimelineSamples(t, q, dq, base, contact, segment, cycle, column)
+        efforts, loads = self._grasps(t, segment, cycle)
+        return TimelineSamples(t, q, dq, base, contact, segment, cycle, column, efforts, loads)
+
+    def _grasps(self, t: Array, segment: NDArray[np.intp], cycle: NDArray[np.intp]) -> tuple[Array, dict[str, Array]]:
+        efforts = np.tile(self.robot.effort, (len(t), 1))
+        loads: dict[str, Array] = {}
+        for index, entry in enumerate(self.entries):
+            here = np.flatnonzero(segment == index)
+            phase = np.clip(t[here] - entry.start - cycle[here] * entry.plan.duration, 0.0, entry.plan.duration)
+            for holding in entry.plan.holdings:
+                poses = loads.setdefault(holding.object, np.full((len(t), 6), np.nan))
+                poses[here] = holding.at(phase / entry.plan.duration)
+                for joint, effort in holding.efforts.items():
+                    row = self.robot.joint_names.index(joint)
+                    efforts[here, row] = np.minimum(efforts[here, row], effort)
+        return efforts, loads
 
 
 def place(poses: Array, origin: Array) -> Array:

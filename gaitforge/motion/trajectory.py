@@ -7,9 +7,10 @@ one and turning needs no special case; a transition or a stand is written in the
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import Command, Stance
@@ -20,6 +21,8 @@ from gaitforge.robot.model import RobotModel
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Index = NDArray[np.intp]
+TAKE_OFF = 0.1
+"""How much higher than asked for a foot may be one interval from the ground, as a part of the step height"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,32 +72,32 @@ class Discretisation:
             first.body + share * (last.body - first.body), first.joints + share * (last.joints - first.joints)
         )
 
-    @property
+    @cached_property
     def cyclic(self) -> bool:
         """A gait: the last sample is the first."""
         return self.pattern.cyclic
 
-    @property
+    @cached_property
     def intervals(self) -> int:
         """N"""
         return self.pattern.columns * self.samples_per_column
 
-    @property
+    @cached_property
     def samples(self) -> int:
         """K: unknown samples, N in a gait and N + 1 elsewhere."""
         return self.intervals if self.cyclic else self.intervals + 1
 
-    @property
+    @cached_property
     def dt(self) -> float:
         """[s]"""
         return self.duration / self.intervals
 
-    @property
+    @cached_property
     def contact(self) -> Bools:
         """(N, n_F) contact held over each interval."""
         return np.repeat(self.pattern.contact.T, self.samples_per_column, axis=0)
 
-    @property
+    @cached_property
     def ground(self) -> Bools:
         """(K, n_F) on the ground at each sample: in stance in the interval before or after it."""
         held = self.contact
@@ -108,7 +111,7 @@ class Discretisation:
                 ground[at] |= end.ground
         return ground
 
-    @property
+    @cached_property
     def step(self) -> Array:
         """(3,) x, y [m], yaw [rad]: motion of the commanded frame over one interval (zero outside gaits)."""
         if not self.cyclic:
@@ -130,21 +133,29 @@ class Discretisation:
             return np.array([2.0, -2.0, 0.0]) / h**2, 0.0, 2.0 / h
         return np.array([1.0, -2.0, 1.0]) / h**2, 0.0, 0.0
 
+    def accelerations(self, start: Array, end: Array) -> tuple[Array, Array]:
+        """(K, 3) coefficients of the samples before, at and after each, (K, n) what velocities at open ends add."""
+        coefficients = np.tile(np.array([1.0, -2.0, 1.0]) / self.dt**2, (self.samples, 1))
+        added = np.zeros((self.samples, len(start)))
+        for k in () if self.cyclic else (0, self.samples - 1):
+            coefficients[k] = self.acceleration(k)[0]
+            added[k] = self.end_velocity_terms(k, start, end)
+        return coefficients, added
+
     def end_velocity_terms(self, k: int, start: Array, end: Array) -> Array:
         """What the velocities at open ends contribute to the acceleration at sample k."""
         _, from_start, from_end = self.acceleration(k)
         return from_start * start + from_end * end
 
+    @cached_property
     def from_ground(self) -> NDArray[np.float64]:
         """(K, n_F) number of samples to the nearest ground sample (inf when there is none)."""
-        ground, count = self.ground, self.samples
-        distance = np.full(ground.shape, np.inf)
-        order = np.arange(count)
-        for i in range(ground.shape[1]):
-            for g in np.flatnonzero(ground[:, i]):
-                gap = np.abs(order - g)
-                distance[:, i] = np.minimum(distance[:, i], np.minimum(gap, count - gap) if self.cyclic else gap)
-        return distance
+        order = np.arange(self.samples)
+        gap = np.abs(order[:, None] - order)
+        if self.cyclic:
+            gap = np.minimum(gap, self.samples - gap)
+        away = np.where(self.ground.T[:, None, :], gap, np.inf)  # (n_F, K, ground sample)
+        return np.asarray(away.min(axis=2).T)
 
 
 def smooth_step(share: Array | float) -> Array:
@@ -152,14 +163,14 @@ def smooth_step(share: Array | float) -> Array:
     return np.asarray(share**3 * (10 - 15 * share + 6 * share**2))
 
 
-def planar_motion(command: Command, seconds: float) -> Array:
-    """(3,) x, y, yaw after driving a constant body twist for some time."""
-    angle = command.yaw_rate * seconds
-    direction = np.array([np.cos(command.heading), np.sin(command.heading)]) * command.speed * seconds
-    if abs(angle) < 1e-12:
-        return np.array([*direction, 0.0])
-    s, c = np.sin(angle) / angle, (1 - np.cos(angle)) / angle
-    return np.array([s * direction[0] - c * direction[1], c * direction[0] + s * direction[1], angle])
+def planar_motion(command: Command, seconds: ArrayLike) -> Array:
+    """(…, 3) x, y, yaw after driving a constant body twist for some time (…)."""
+    time = np.asarray(seconds, dtype=float)
+    angle, way = command.yaw_rate * time, command.speed * time
+    s = np.sinc(angle / np.pi)  # sin α / α
+    c = np.sin(0.5 * angle) * np.sinc(0.5 * angle / np.pi)  # (1 − cos α) / α
+    ahead, aside = np.cos(command.heading) * way, np.sin(command.heading) * way
+    return np.stack([s * ahead - c * aside, c * ahead + s * aside, angle], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +214,13 @@ class Guess:
     """(K, n_J)"""
     feet: Array
     """(K, n_F, 3)"""
+    about: Array | None = None
+    """(K, 6) base poses that the bounds of height and yaw are about; None: those of the guess"""
+
+    @property
+    def centre(self) -> Array:
+        """(K, 6) the middle of the base's bounds."""
+        return self.base if self.about is None else self.about
 
 
 def lay_out(
@@ -236,7 +254,8 @@ def lay_out(
             if end is not None and not end.rest:
                 low[at] = high[at] = start[at] = end.joints[rows]
         joints[i] = problem.add_variables(start, low, high)
-        feet[i] = problem.add_variables(guess.feet[:, i], *_foot_bounds(robot, grid, i, step_height))
+        bounds = _foot_bounds(robot, grid, i, step_height)
+        feet[i] = problem.add_variables(guess.feet[:, i], *bounds)
     weights = _add_weights(problem, grid, minimum_weight)
     return Trajectory(
         robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment,
@@ -258,9 +277,9 @@ def _base_bounds(
     grid: Discretisation, guess: Guess, stance: Stance, tilt: float, height_range: float
 ) -> tuple[Array, Array]:
     low, high = np.full(guess.base.shape, -np.inf), np.full(guess.base.shape, np.inf)
-    low[:, 2], high[:, 2] = guess.base[:, 2] - height_range, guess.base[:, 2] + height_range
+    low[:, 2], high[:, 2] = guess.centre[:, 2] - height_range, guess.centre[:, 2] + height_range
     low[:, 3:5], high[:, 3:5] = stance.body[:, 1:] - tilt, stance.body[:, 1:] + tilt
-    low[:, 5], high[:, 5] = guess.base[:, 5] - 0.5, guess.base[:, 5] + 0.5
+    low[:, 5], high[:, 5] = guess.centre[:, 5] - 0.5, guess.centre[:, 5] + 0.5
     if grid.cyclic:
         low[0, :2] = high[0, :2] = guess.base[0, :2]  # the gauge: where the gait begins does not matter
     if grid.start is not None and not grid.start.rest:
@@ -271,17 +290,42 @@ def _base_bounds(
 
 
 def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height: float) -> tuple[Array, Array]:
-    """Sphere centre at its radius on the ground, at least the step height away from it; ends are free."""
+    """Sphere centre at its radius on the ground, at least the step height away from it; ends are free.
+
+    Where there is time a foot leaves and meets the ground slowly: a spline that has to climb half a step in its
+    first interval dips in the one before, where the foot stands.
+    """
     radius = robot.limbs[limb].foot.radius
     low, high = np.full((grid.samples, 3), -np.inf), np.full((grid.samples, 3), np.inf)
-    away = np.minimum(1.0, grid.from_ground()[:, limb] / grid.samples_per_column)
-    low[:, 2] = radius + step_height * smooth_step(away)
+    away = grid.from_ground[:, limb]
     ground = grid.ground[:, limb]
+    ramp = _ramp(grid, ground)
+    low[:, 2] = radius + step_height * smooth_step(np.minimum(1.0, away / ramp))
+    gentle = (away == 1) & (ramp > grid.samples_per_column)
+    high[gentle, 2] = low[gentle, 2] + TAKE_OFF * step_height
     high[ground, 2] = low[ground, 2] = radius
     for at, end in ((0, grid.start), (-1, grid.end)):
         if end is not None and not end.rest:
             low[at], high[at] = -np.inf, np.inf
     return low, high
+
+
+def _ramp(grid: Discretisation, ground: NDArray[np.bool_]) -> Array:
+    """(K,) intervals in which a foot reaches its step height: two columns where the swing is long enough for that."""
+    ramp = np.full(grid.samples, float(grid.samples_per_column))
+    for lift, land in swings(ground, grid.cyclic):
+        gentle = min(2.0 * grid.samples_per_column, 0.5 * (land - lift))
+        ramp[np.arange(lift, land + 1) % grid.samples] = max(grid.samples_per_column, gentle)
+    return ramp
+
+
+def swings(ground: NDArray[np.bool_], cyclic: bool) -> list[tuple[int, int]]:
+    """(last ground sample, first ground sample after it) of every swing that has both; the latter may exceed K."""
+    stands = np.flatnonzero(ground)
+    if not len(stands):
+        return []
+    following = np.append(stands[1:], stands[0] + len(ground)) if cyclic else stands[1:]
+    return [(int(a), int(b)) for a, b in zip(stands, following, strict=False) if b - a > 1]
 
 
 def _add_weights(

@@ -133,6 +133,7 @@ def _segment_info(plan: MotionPlan) -> dict[str, Any]:
         "command": to_plain(plan.command),
         "roles": to_plain(dict(plan.roles)),
         "loads": to_plain(plan.loads),
+        "holdings": to_plain(plan.holdings),
         "stance": to_plain(plan.stance),
         "report": {
             "status": report.status,

@@ -55,7 +55,7 @@ def _panels(robot: RobotModel, timeline: Timeline) -> dict[str, dict[str, Any]]:
     states = [(f"/footfall/compare.{field_name(name)}", name) for name in limbs]
     forces = [(f'/sim/contacts.feet[:]{{name=="{name}"}}.normal_force', name) for name in limbs]
     return {
-        "3D!main": _three_d(robot),
+        "3D!main": _three_d(robot, timeline),
         "StateTransitions!feet": states_panel("Feet against plan: air · stance · early · late", states),
         "Image!matrix": image_panel("Footfall pattern C: red = swing", "/footfall/matrix", "/footfall/cursor"),
         "Plot!speed": plot_panel("Forward speed [m/s]", _metrics("speed", "speed_planned", "speed_cycle")),
@@ -79,9 +79,9 @@ def _panels(robot: RobotModel, timeline: Timeline) -> dict[str, dict[str, Any]]:
     }
 
 
-def _three_d(robot: RobotModel) -> dict[str, Any]:
+def _three_d(robot: RobotModel, timeline: Timeline) -> dict[str, Any]:
     feet = robot.foot_positions(np.zeros(6), robot.nominal.posture)
-    topics = {
+    topics: dict[str, dict[str, Any]] = {
         "/viz/support": {"visible": True},
         "/viz/forces": {"visible": True},
         "/viz/footholds": {"visible": True},
@@ -95,6 +95,8 @@ def _three_d(robot: RobotModel) -> dict[str, Any]:
         "/sim/base": {"visible": False},
         "/robot_description": {"visible": False},
     }
+    if any(entry.plan.holdings for entry in timeline.entries):
+        topics["/viz/loads"] = {"visible": True}
     return three_d_panel(
         "Robot: simulated (solid) and planned (ghost)",
         follow=robot.base_link,

@@ -52,6 +52,7 @@ def _plan(name: str, arrays: Arrays) -> MotionPlan:
         roles=from_plain(info["roles"]),
         loads=from_plain(info.get("loads", [])),
         stance=from_plain(info.get("stance")),
+        holdings=from_plain(info.get("holdings", [])),
         joint_velocity_ends=arrays.get(f"{name}/joint_velocity_ends"),
         base_velocity_ends=arrays.get(f"{name}/base_velocity_ends"),
         report=SolveReport(**report),

@@ -28,6 +28,7 @@ def build_summary(
     segments: Sequence[Mapping[str, Any]] = (),
     checks: Iterable[Check] = (),
     timings: Mapping[str, float] | None = None,
+    opinions: Mapping[str, Any] | None = None,
     explain: Mapping[str, Any] | None = None,
     error: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
@@ -39,6 +40,8 @@ def build_summary(
         What `segment_entry` or `segment_entries` gave.
     timings
         [s] by stage; stages that were not reached are 0.
+    opinions
+        What `gaitforge.verify.agreement.opinions` gave.
     error
         `GaitforgeError.as_dict()` of what ended the run.
 
@@ -60,6 +63,7 @@ def build_summary(
         "segments": [dict(segment) for segment in segments],
         "checks": [check_entry(check) for check in checks],
         "timings_s": {stage: round(float((timings or {}).get(stage, 0.0)), 4) for stage in STAGES},
+        "opinions": dict(opinions) if opinions else None,
         "explain": dict(explain) if explain else None,
         "error": {key: error.get(key) for key in ERROR_KEYS} if error else None,
     }
@@ -82,9 +86,19 @@ def segment_entry(plan: MotionPlan, measured: float | None = None, name: str | N
         "solve_s": plan.report.seconds,
         "cost": plan.report.cost,
         "relaxed": [*plan.pattern.relaxed, *plan.relaxed],
+        **_refined(plan),
         **carried,
         **table,
     }
+
+
+def _refined(plan: MotionPlan) -> dict[str, Any]:
+    """What the dense check measured, and one entry a solve of refinement; none for a plan that was not optimised."""
+    details = plan.report.details
+    if "refined" not in details:
+        return {}
+    measured = {k: v for k, v in details.items() if isinstance(v, (int, float)) and k not in ("rows", "variables")}
+    return {"refined": list(details["refined"]), "dense": measured}
 
 
 def segment_entries(timeline: Timeline, speeds: Sequence[float] = ()) -> list[dict[str, Any]]:

@@ -20,7 +20,17 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def segments_text(summary: Mapping[str, Any]) -> str:
     """Gaits, transitions and stands with planned and measured speed."""
-    header = ("segment", "kind", "limbs", "source", "columns", "time [s]", "planned [cm/s]", "measured [cm/s]")
+    header = (
+        "segment",
+        "kind",
+        "limbs",
+        "source",
+        "columns",
+        "time [s]",
+        "solves",
+        "planned [cm/s]",
+        "measured [cm/s]",
+    )
     rows = [
         (
             segment["name"],
@@ -29,6 +39,7 @@ def segments_text(summary: Mapping[str, Any]) -> str:
             segment["source"],
             str(segment["columns"]),
             f"{segment['duration_s']:.2f}",
+            _solves(segment),
             _cm(segment["speed_planned_m_s"]),
             _cm(segment["speed_measured_m_s"]),
         )
@@ -39,13 +50,40 @@ def segments_text(summary: Mapping[str, Any]) -> str:
 
 def checks_text(summary: Mapping[str, Any], *, failed_only: bool = False) -> str:
     """What was asked of the simulated run, and the answers."""
-    header = ("", "check", "segment", "value", "limit", "unit")
+    several = summary["opinions"] is not None
+    header = ("", "check", "segment", "value", "limit", "unit", *(["simulator"] if several else []))
     rows = [
-        (mark(check), check["name"], check["segment"], number(check["value"]), number(check["limit"]), check["unit"])
+        (
+            mark(check),
+            check["name"],
+            check["segment"],
+            number(check["value"]),
+            number(check["limit"]),
+            check["unit"],
+            *([check["simulator"]] if several else []),
+        )
         for check in summary["checks"]
         if not (failed_only and check["passed"])
     ]
     return table(header, rows)
+
+
+def opinions_text(summary: Mapping[str, Any]) -> str:
+    """What each simulator says, where they disagree, and by how much their speeds differ; empty when one was asked."""
+    said = summary["opinions"]
+    if said is None:
+        return ""
+    verdicts = ", ".join(f"{name} {'verifies' if passed else 'does not'}" for name, passed in said["passed"].items())
+    differing = max(said["speeds_m_s"], key=lambda s: s["difference"] or 0.0)
+    by = f"{100 * (differing['difference'] or 0.0):.3f} cm/s ({differing['segment']})"
+    lines = [f"{verdicts}; speeds differ by at most {by}; disagreements: {len(said['disagreements']) or 'none'}"]
+    for found in said["disagreements"]:
+        values = ", ".join(
+            f"{name} {number(value)} ({'holds' if found['passed'][name] else 'fails'})"
+            for name, value in found["values"].items()
+        )
+        lines.append(f"  {found['name']} of {found['segment']}: {values}")
+    return "\n".join(lines)
 
 
 def problem_text(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -71,6 +109,13 @@ def mark(check: Mapping[str, Any]) -> str:
 def number(value: float | None) -> str:
     """Four digits, or a dash for what is not there."""
     return "–" if value is None else f"{value:.4g}"
+
+
+def _solves(segment: Mapping[str, Any]) -> str:
+    """How many solves a plan took, and which families asked for more than one."""
+    refined = segment.get("refined", [])
+    asked = list(dict.fromkeys(family for entry in refined for family in entry["for"]))
+    return f"{len(refined)}" + (f" ({', '.join(asked)})" if asked else "") if refined else "–"
 
 
 def _cm(speed: float | None) -> str:

@@ -1,4 +1,4 @@
-"""Capsules around collision shapes, for clearance between limbs."""
+"""Capsules and boxes around collision shapes, for clearance between limbs and to the trunk."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from gaitforge.robot.geometry import Array, Shape
 from gaitforge.robot.limbs import Limb
-from gaitforge.robot.model import Capsule
+from gaitforge.robot.model import Box, Capsule
 from gaitforge.robot.tree import RigidTree
 
 
@@ -19,6 +19,19 @@ def limb_capsules(tree: RigidTree, limbs: Iterable[Limb]) -> tuple[Capsule, ...]
     """One capsule per collision shape of the limbs' links (the base's own shapes are not among them)."""
     links = [name for limb in limbs for name in limb.links]
     return tuple(capsule(name, s) for name in links for s in tree.link(name).shapes if s.collision)
+
+
+def trunk_boxes(tree: RigidTree) -> tuple[Box, ...]:
+    """One box per collision shape of the root link."""
+    return tuple(enclosing_box(s) for s in tree.link(tree.root).shapes if s.collision)
+
+
+def enclosing_box(shape: Shape) -> Box:
+    """The box along a shape's own axes that encloses it."""
+    size, centre = own_box(shape)
+    T = shape.placement
+    rows = tuple(_point(row) for row in T[:3, :3])
+    return Box(_point(T[:3, :3] @ centre + T[:3, 3]), rows, _point(size))
 
 
 def capsule(link: str, shape: Shape) -> Capsule:
@@ -39,17 +52,20 @@ def capsule(link: str, shape: Shape) -> Capsule:
 
 def bounds(shape: Shape) -> Array:
     """(8, 3) corners of a box, in the link frame, that encloses the shape [m]."""
-    size, centre = np.ones(3), np.zeros(3)
-    if shape.kind == "mesh":
-        size, centre = mesh_box(shape)
-    elif shape.kind == "box":
-        size = np.asarray(shape.size)
-    elif shape.kind == "cylinder":
-        size = np.array([2.0 * shape.size[0], 2.0 * shape.size[0], shape.size[1]])
-    else:
-        size = np.full(3, 2.0 * shape.size[0])
+    size, centre = own_box(shape)
     corners = centre + np.array(list(product((-0.5, 0.5), repeat=3))) * size
     return np.asarray(corners @ shape.placement[:3, :3].T + shape.placement[:3, 3])
+
+
+def own_box(shape: Shape) -> tuple[Array, Array]:
+    """(3,) edge lengths and (3,) centre, in the shape's own frame, of the box that encloses it [m]."""
+    if shape.kind == "mesh":
+        return mesh_box(shape)
+    if shape.kind == "box":
+        return np.asarray(shape.size), np.zeros(3)
+    if shape.kind == "cylinder":
+        return np.array([2.0 * shape.size[0], 2.0 * shape.size[0], shape.size[1]]), np.zeros(3)
+    return np.full(3, 2.0 * shape.size[0]), np.zeros(3)
 
 
 def _point(p: Array) -> tuple[float, float, float]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from functools import cache
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from gaitforge.errors import InputError, Problem
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel
+from gaitforge.robot.rotation import matrices
 
 Array = NDArray[np.float64]
 JOINT_PARAMETERS = 19
@@ -84,8 +86,25 @@ def limb_forward(joints: Any, parameters: Any) -> LimbState:
     return LimbState(foot, rotation, moment, origins, turns)
 
 
+def joint_axes(parameters: Any, count: int) -> list[Any]:
+    """(3,) axis of each joint in the frame of the body that it moves."""
+    starts = [JOINT_PARAMETERS * i + 12 for i in range(count)]
+    return [parameters[at : at + 3] for at in starts]
+
+
+_known: WeakKeyDictionary[RobotModel, dict[Limb, Array]] = WeakKeyDictionary()
+
+
 def limb_parameters(robot: RobotModel, limb: Limb) -> Array:
     """(19 n + 3,) the geometry and masses of a limb; tool joints are taken at their nominal position."""
+    known = _known.setdefault(robot, {})
+    if limb not in known:
+        known[limb] = _limb_parameters(robot, limb)
+        known[limb].setflags(write=False)
+    return known[limb]
+
+
+def _limb_parameters(robot: RobotModel, limb: Limb) -> Array:
     import pinocchio
 
     model, parts, parent = robot.pin, [], 1
@@ -140,16 +159,6 @@ def base_body(robot: RobotModel) -> tuple[float, Array]:
     return float(inertia.mass), float(inertia.mass) * np.array(inertia.lever)
 
 
-@cache
-def _numeric(joints: int) -> Any:
-    import casadi as ca
-
-    q, p = ca.SX.sym("q", joints), ca.SX.sym("p", parameter_size(joints))
-    state = limb_forward(q, p)
-    origins, turns = ca.horzcat(*state.origins), ca.horzcat(*state.turns)
-    return ca.Function("limb", [q, p], [state.foot, state.rotation, state.moment, origins, turns])
-
-
 class LimbPoses(NamedTuple):
     """Numeric forward kinematics of a limb at n configurations, base frame."""
 
@@ -168,11 +177,31 @@ class LimbPoses(NamedTuple):
 def evaluate_limb(joints: Array, parameters: Array) -> LimbPoses:
     """Forward kinematics of one limb at (n, n_joints) joint positions."""
     n, count = joints.shape
-    foot, rotation, moment, origins, turns = _numeric(count).map(n)(joints.T, np.tile(parameters[:, None], (1, n)))
-    return LimbPoses(
-        np.array(foot).T,
-        np.array(rotation).reshape(3, n, 3).transpose(1, 0, 2),
-        np.array(moment).T,
-        np.array(origins).reshape(3, n, count).transpose(1, 2, 0),
-        np.array(turns).reshape(3, n, count, 3).transpose(1, 2, 0, 3),
-    )
+    rotation, position, moment = np.eye(3), np.zeros((n, 3)), np.zeros((n, 3))
+    origins, turns = np.empty((n, count, 3)), np.empty((n, count, 3, 3))
+    c, s = np.cos(joints)[..., None, None], np.sin(joints)[..., None, None]
+    for i in range(count):
+        p = parameters[JOINT_PARAMETERS * i : JOINT_PARAMETERS * (i + 1)]
+        placed, axis = p[:9].reshape(3, 3, order="F"), p[12:15]
+        along = placed @ np.outer(axis, axis)
+        across = placed @ np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+        position = position + rotation @ p[9:12]
+        rotation = rotation @ (along + c[:, i] * (placed - along) + s[:, i] * across)
+        moment = moment + p[15] * position + rotation @ p[16:19]
+        origins[:, i], turns[:, i] = position, rotation
+    foot = position + rotation @ parameters[JOINT_PARAMETERS * count :]
+    return LimbPoses(foot, rotation, moment, origins, turns)
+
+
+def evaluate_limbs(robot: RobotModel, joints: Array) -> dict[int, LimbPoses]:
+    """Limb index → forward kinematics at (n, n_J) joint positions of the robot."""
+    return {
+        i: evaluate_limb(joints[:, robot.joint_indices(limb)], limb_parameters(robot, limb))
+        for i, limb in enumerate(robot.limbs)
+    }
+
+
+def feet_in_world(robot: RobotModel, base_poses: Array, joints: Array) -> Array:
+    """(n, n_F, 3) centres of the foot spheres [m] at n base poses (n, 6) and joint positions (n, n_J)."""
+    feet = np.stack([pose.foot for pose in evaluate_limbs(robot, joints).values()], axis=1)
+    return np.asarray(base_poses[:, None, :3] + np.einsum("nij,nfj->nfi", matrices(base_poses[:, 3:6]), feet))

@@ -12,7 +12,7 @@ from gaitforge.errors import InputError, Problem
 from gaitforge.resources import robot_files
 from gaitforge.robot.assembly import Assembly, GivenFoot, read_assembly
 from gaitforge.robot.build import BASE, Built, build
-from gaitforge.robot.capsules import limb_capsules
+from gaitforge.robot.capsules import limb_capsules, trunk_boxes
 from gaitforge.robot.limbs import Limb, ToolMount
 from gaitforge.robot.lint import lint, refuse
 from gaitforge.robot.model import RobotModel
@@ -106,6 +106,7 @@ def _model(
         nominal=nominal,
         tools=tuple(ToolMount(t.name, t.kind, t.limb, t.link, t.T, t.joints) for t in built.tools) if built else (),  # type: ignore[arg-type]
         capsules=limb_capsules(tree, limbs),
+        trunk=trunk_boxes(tree),
         base_link=BASE if built else tree.root,
         modules=built.modules if built else len(names),
         warnings=warnings,

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from gaitforge.errors import InputError, Problem
 from gaitforge.robot.limbs import Limb, ToolMount
 from gaitforge.robot.payload import Load, laden_urdf
+from gaitforge.robot.rotation import matrices, quaternions
 
 if TYPE_CHECKING:
     import pinocchio
@@ -59,6 +60,18 @@ class Capsule:
     """[m]"""
 
 
+@dataclass(frozen=True)
+class Box:
+    """A box that encloses one collision shape of the trunk; for clearance between limbs and trunk."""
+
+    center: tuple[float, float, float]
+    """[m] in the frame of the base link"""
+    rotation: tuple[tuple[float, float, float], ...]
+    """(3, 3) its axes in the frame of the base link"""
+    size: tuple[float, float, float]
+    """[m] edge lengths"""
+
+
 @dataclass(frozen=True, eq=False)
 class RobotModel:
     """A legged robot: frozen, and the same for planning, verification and logging.
@@ -82,6 +95,8 @@ class RobotModel:
     nominal: Nominal = field(repr=False)
     tools: tuple[ToolMount, ...] = ()
     capsules: tuple[Capsule, ...] = field(default=(), repr=False)
+    trunk: tuple[Box, ...] = field(default=(), repr=False)
+    """The collision shapes of the base link."""
     base_link: str = "base_link"
     modules: int = 0
     """Number of actuated modules."""
@@ -122,7 +137,7 @@ class RobotModel:
     def _q_index(self) -> NDArray[np.intp]:
         return np.array([self.pin.joints[self.pin.getJointId(n)].idx_q for n in self.joint_names], dtype=np.intp)
 
-    @property
+    @cached_property
     def mass(self) -> float:
         """[kg]"""
         return float(sum(i.mass for i in self.pin.inertias))
@@ -150,30 +165,45 @@ class RobotModel:
 
     def joint_indices(self, limb: Limb) -> NDArray[np.intp]:
         """Rows of P that belong to the limb's walking joints."""
-        return np.array([self.joint_names.index(j) for j in limb.joints], dtype=np.intp)
+        return self._rows[limb.joints] if limb.joints in self._rows else self._row_numbers(limb.joints)
+
+    @cached_property
+    def _rows(self) -> dict[tuple[str, ...], NDArray[np.intp]]:
+        return {limb.joints: self._row_numbers(limb.joints) for limb in self.limbs}
+
+    def _row_numbers(self, joints: tuple[str, ...]) -> NDArray[np.intp]:
+        return np.array([self.joint_names.index(j) for j in joints], dtype=np.intp)
 
     # -- Pinocchio in the conventions above -------------------------------------------------
     def configuration(self, base_pose: ArrayLike, joints: ArrayLike) -> Array:
-        """(nq,) Pinocchio's q for a base pose and joint positions."""
+        """(nq,) Pinocchio's q for a base pose and joint positions; (n, nq) for n of both."""
+        base, positions = np.asarray(base_pose, dtype=float), np.asarray(joints, dtype=float)
+        q = np.tile(self._neutral, (*base.shape[:-1], 1)) if base.ndim > 1 else self._neutral.copy()
+        q[..., :3], q[..., 3:7] = base[..., :3], quaternions(base[..., 3:6])
+        q[..., self._q_index] = positions
+        return q
+
+    @cached_property
+    def _neutral(self) -> Array:
         import pinocchio
 
-        base = np.asarray(base_pose, dtype=float)
-        q = pinocchio.neutral(self.pin)
-        q[:3] = base[:3]
-        q[3:7] = pinocchio.Quaternion(pinocchio.rpy.rpyToMatrix(base[3:6])).coeffs()
-        q[self._q_index] = np.asarray(joints, dtype=float)
-        return np.asarray(q, dtype=float)
+        return np.array(pinocchio.neutral(self.pin), dtype=float)
 
     def velocity_vector(self, base_pose: ArrayLike, base_rate: ArrayLike, joint_rates: ArrayLike) -> Array:
-        """(nv,) Pinocchio's v from the rates of x, y, z, roll, pitch, yaw [m/s, rad/s] and of the joints."""
-        import pinocchio
+        """(nv,) Pinocchio's v from the rates of x, y, z, roll, pitch, yaw [m/s, rad/s] and of the joints.
 
+        (n, nv) for n of all three.
+        """
         pose, rate = np.asarray(base_pose, dtype=float), np.asarray(base_rate, dtype=float)
-        rotation = pinocchio.rpy.rpyToMatrix(pose[3:6])
-        v = np.zeros(self.pin.nv)
-        v[:3] = rotation.T @ rate[:3]
-        v[3:6] = rotation.T @ pinocchio.rpy.computeRpyJacobian(pose[3:6], pinocchio.WORLD) @ rate[3:6]
-        v[self._q_index - 1] = np.asarray(joint_rates, dtype=float)
+        rotation = matrices(pose[..., 3:6])
+        (cr, cp), (sr, sp) = (np.moveaxis(f(pose[..., 3:5]), -1, 0) for f in (np.cos, np.sin))
+        roll, pitch, yaw = np.moveaxis(rate[..., 3:6], -1, 0)
+        v = np.zeros((*pose.shape[:-1], self.pin.nv))
+        v[..., :3] = np.einsum("...ji,...j->...i", rotation, rate[..., :3])
+        v[..., 3] = roll - sp * yaw
+        v[..., 4] = cr * pitch + sr * cp * yaw
+        v[..., 5] = -sr * pitch + cr * cp * yaw
+        v[..., self._q_index - 1] = np.asarray(joint_rates, dtype=float)
         return v
 
     def _data(self, base_pose: ArrayLike, joints: ArrayLike) -> Any:
@@ -202,8 +232,10 @@ class RobotModel:
         )
 
     def center_of_mass(self, base_pose: ArrayLike, joints: ArrayLike) -> Array:
-        """(3,) in the world [m]."""
+        """(3,) in the world [m]; (n, 3) for n base poses and joint positions."""
         import pinocchio
 
-        data = self.pin.createData()
-        return np.array(pinocchio.centerOfMass(self.pin, data, self.configuration(base_pose, joints)))
+        data, q = self.pin.createData(), self.configuration(base_pose, joints)
+        if q.ndim == 1:
+            return np.array(pinocchio.centerOfMass(self.pin, data, q))
+        return np.array([pinocchio.centerOfMass(self.pin, data, one) for one in q])

@@ -6,9 +6,10 @@ import numpy as np
 
 from gaitforge.motion.timeline import Timeline, TimelineSamples
 from gaitforge.robot.model import RobotModel
+from gaitforge.robot.run_kinematics import run_kinematics
 from gaitforge.task.scene import Scene
 from gaitforge.verify.feet import foot_contacts, foot_of_contacts, last_contact_points
-from gaitforge.verify.kinematics import run_kinematics
+from gaitforge.verify.grasps import grasp_contacts, laden_com
 from gaitforge.verify.pointing import pointing
 from gaitforge.verify.recording import Recording
 from gaitforge.verify.support import static_margin
@@ -36,6 +37,7 @@ def assemble_trace(
     foot = foot_of_contacts(robot, table, kinematics.feet, links, table.link)
     other_foot = foot_of_contacts(robot, table, kinematics.feet, links, table.other)
     felt = foot_contacts(table, foot, len(recording.times), len(robot.limbs))
+    com = laden_com(robot, timeline, plan, kinematics.com, recording.objects)
     radii = np.array([limb.foot.radius for limb in robot.limbs])
     points = last_contact_points(kinematics.feet, radii, felt.contact)
     slip = np.where(felt.contact, np.linalg.norm(kinematics.contact_velocity[:, :, :2], axis=2), 0.0)
@@ -52,11 +54,13 @@ def assemble_trace(
         contact_points=points,
         slip_speed=slip,
         feet=kinematics.feet,
-        com=kinematics.com,
-        margin=static_margin(kinematics.com[:, :2], points[:, :, :2], felt.contact),
+        com=com,
+        margin=static_margin(com[:, :2], points[:, :, :2], felt.contact),
         pointing=pointing(timeline, recording.times, kinematics.tools),
         sight=recording.sight,
-        unplanned=unplanned_contacts(robot, recording, scene, foot, other_foot, swing_force),
+        unplanned=unplanned_contacts(
+            robot, recording, scene, foot, other_foot, swing_force, grasp_contacts(robot, timeline, plan, scene)
+        ),
         images=recording.images,
         objects=recording.objects,
     )

@@ -62,6 +62,9 @@ def _picture(
     p, pose = world.p, trace.base_poses[row]
     yaw_deg, pitch_deg, reach, ahead = view
     world.place_robot(pose, trace.joint_positions[row])
+    for name, body in world.movable.items():
+        place = trace.objects[name][row]
+        p.resetBasePositionAndOrientation(body, place[:3], place[3:], physicsClientId=world.client)
     target = [pose[0] + ahead * np.cos(pose[5]), pose[1] + ahead * np.sin(pose[5]), 0.7 * pose[2]]
     heading = float(np.degrees(pose[5])) - 90.0 + yaw_deg  # PyBullet's yaw 0 looks along +y
     look = p.computeViewMatrixFromYawPitchRoll(target, reach, heading, pitch_deg, 0.0, 2)

@@ -28,15 +28,17 @@ def unplanned_contacts(
     foot: NDArray[np.intp],
     other_foot: NDArray[np.intp],
     swing_force: Array,
+    grasps: NDArray[np.bool_] | None = None,
 ) -> tuple[UnplannedContact, ...]:
     """Everything but a planned foot on the ground, in the order of time.
 
     foot, other_foot (k,): limb whose foot sphere a contact lies on, for the link and for the other
-    link of a self-contact; swing_force (n, n_F): see `force_in_swing`.
+    link of a self-contact; swing_force (n, n_F): see `force_in_swing`; grasps (n, n_F, n_objects): feet that are
+    to touch an object then (None: none is).
     """
     table = recording.contacts
     forces: dict[What, Array] = {}
-    for what, rows in _grouped(robot, recording.links, scene, table, foot, other_foot):
+    for what, rows in _grouped(robot, recording.links, scene, table, foot, other_foot, grasps):
         total = forces.setdefault(what, np.zeros(len(recording.times)))
         np.add.at(total, table.step[rows], table.force[rows])
     for index, limb in enumerate(robot.limbs):
@@ -85,9 +87,14 @@ def _grouped(
     table: ContactTable,
     foot: NDArray[np.intp],
     other_foot: NDArray[np.intp],
+    grasps: NDArray[np.bool_] | None,
 ) -> Iterator[tuple[What, NDArray[np.intp]]]:
     """Contacts that are unplanned whatever the pattern says, by what touches what."""
-    suspect = np.flatnonzero((table.other != GROUND) | (foot < 0))
+    item = table.other - len(links)
+    held = (item >= 0) & (foot >= 0) & (grasps is not None)
+    if grasps is not None:
+        held[held] = grasps[table.step[held], foot[held], item[held]]
+    suspect = np.flatnonzero(((table.other != GROUND) | (foot < 0)) & ~held)
     keys = np.stack([table.link, foot, table.other, other_foot], axis=1)[suspect]
     if not len(suspect):
         return

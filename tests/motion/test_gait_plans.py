@@ -130,14 +130,26 @@ def test_a_limb_that_does_not_exist_is_refused_with_the_names_that_do(hexapod: R
     assert "L1, L2, L3, R1, R2, R3" in problem.expected
 
 
-def test_the_report_says_what_refinement_did(tripod: MotionPlan) -> None:
-    details = tripod.report.details
-    assert tripod.report.status == "Solve_Succeeded"
-    assert tripod.report.residual < 1e-5
-    assert details["samples_per_column"] == tripod.samples_per_column > 2
-    assert details["refinements"] >= 1
+def test_the_report_says_what_refinement_did(wave: MotionPlan) -> None:
+    """Short swings ring: the quadruped's wave asks for a finer grid, and says what it cost."""
+    details = wave.report.details
+    assert wave.report.residual < 1e-5
+    assert details["samples_per_column"] == wave.samples_per_column > 2
+    assert details["refinements"] == len(details["refined"]) - 1 >= 1
+    first, second = details["refined"][:2]
+    assert (first["for"], second["for"]) == ([], ["ground"])
+    assert second["rows"] > first["rows"] > 0
+    assert sum(entry["iterations"] for entry in details["refined"]) == wave.report.iterations
     assert details["penetration_m"] <= MotionOptions().ground_tolerance
-    assert tripod.relaxed == ()
+    assert wave.relaxed == ()
+
+
+def test_a_tripod_leaves_the_ground_slowly_and_needs_no_finer_grid(tripod: MotionPlan) -> None:
+    assert tripod.samples_per_column == 2
+    assert tripod.report.details["refinements"] == 0
+    assert tripod.report.details["penetration_m"] <= MotionOptions().ground_tolerance
+    assert tripod.report.details["zmp_margin_m"] > 0.0
+    assert tripod.report.details["cop_margin_m"] > 0.0
 
 
 def test_the_same_gait_is_found_again_in_another_process(hexapod: RobotModel) -> None:

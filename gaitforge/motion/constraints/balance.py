@@ -40,7 +40,7 @@ class Balance(Family):
         before, after = grid.neighbours(at)
         com = trajectory.com
         variables = np.hstack([com[before], com[at], com[after]])
-        parameters = np.array([self._parameters(trajectory, int(k)) for k in at])
+        parameters = self._parameters(trajectory)[at]
         problem.add_term(self.name, kernel("cop", 9, 9, _cop_instant), variables, parameters, rows)
         weighted = [
             (w, *trajectory.feet[i][k, :2], *rows[s])
@@ -51,12 +51,12 @@ class Balance(Family):
         problem.add_term(self.name, kernel("weight", 3, 0, _weight_instant), table[:, :3], np.zeros(0), table[:, 3:])
 
     @staticmethod
-    def _parameters(trajectory: Trajectory, k: int) -> np.ndarray:
+    def _parameters(trajectory: Trajectory) -> np.ndarray:
+        """(K, 9) coefficients of the three samples, what end velocities add, motion of the frame."""
         grid = trajectory.grid
-        coefficients, _, _ = grid.acceleration(k)
         start = grid.start.com_velocity if grid.start is not None else np.zeros(3)
         end = grid.end.com_velocity if grid.end is not None else np.zeros(3)
-        return np.concatenate([coefficients, grid.end_velocity_terms(k, start, end), grid.step])
+        return np.hstack([*grid.accelerations(start, end), np.tile(grid.step, (grid.samples, 1))])
 
 
 def _cop_instant(v: Any, p: Any) -> Any:

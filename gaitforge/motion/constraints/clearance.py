@@ -17,10 +17,11 @@ from gaitforge.robot.kinematics import limb_forward, parameter_size
 
 @dataclass(frozen=True)
 class Clearance(Family):
-    """|p_a − p_b|² ≥ (r_a + r_b + margin)² for material points that were found too close.
+    """|p_a − p_b|² ≥ (r_a + r_b + margin + dip)² for material points that were found too close.
 
     Added by refinement, where the dense check found two bodies near each other: the points are those
-    that were nearest then, so after another solve there may be new ones.
+    that were nearest then, so after another solve there may be new ones.  What the gap lost between the
+    samples, the dip, is asked for on top at the sample.
     """
 
     name: ClassVar[str] = "clearance"
@@ -49,7 +50,7 @@ class Clearance(Family):
                 shape.append((0, BASE))
         if not variables:
             return
-        floor = pair.first.radius + pair.second.radius + self.margin
+        floor = pair.first.radius + pair.second.radius + self.margin + pair.dip
         label = f"{pair.first.name}–{pair.second.name} at sample {k}"
         row = problem.add_rows(self.name, floor**2, np.inf, (1, 1), self.unit, [label])
         flat = np.concatenate(parameters)

@@ -10,7 +10,8 @@ import numpy as np
 from gaitforge.motion.family import Family
 from gaitforge.motion.problem import Problem, kernel
 from gaitforge.motion.trajectory import Trajectory
-from gaitforge.robot.kinematics import limb_forward, parameter_size, rpy_rotation
+from gaitforge.motion.turning import RPY, chain_axes, first, place, second
+from gaitforge.robot.kinematics import JOINT_PARAMETERS, joint_axes, limb_forward, parameter_size, rpy_rotation
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Kinematics(Family):
         for i in trajectory.moving:
             joints = trajectory.joints[i]
             count = joints.shape[1]
-            compiled = kernel(("limb", count), 9 + count, parameter_size(count) + 1, _limb_instant)
+            compiled = kernel(("limb", count), 9 + count, parameter_size(count) + 1, _limb_instant, _limb_derivatives)
             labels = [(robot.limbs[i].name, k) for k in range(samples)]
             rows = problem.add_rows("kinematics", 0.0, 0.0, (samples, 3), "m", labels)
             variables = np.hstack([trajectory.base, joints, trajectory.feet[i]])
@@ -64,8 +65,44 @@ def _limb_instant(v: Any, p: Any) -> Any:
     base, joints, foot = v[:6], v[6 : 6 + count], v[6 + count :]
     state = limb_forward(joints, p[:-1])
     rotation = rpy_rotation(base[3:6])
-    mass = sum(p[19 * i + 15] for i in range(count))
+    mass = sum(p[JOINT_PARAMETERS * i + 15] for i in range(count))
     return ca.vertcat(
         base[:3] + rotation @ state.foot - foot,
         -(mass * base[:3] + rotation @ state.moment) / p[-1],
     )
+
+
+def _limb_derivatives(v: Any, p: Any, multiplier: Any) -> tuple[Any, Any]:
+    """The foot is a point of the chain, the share of the centre of mass a sum of points with masses."""
+    import casadi as ca
+
+    count = v.shape[0] - 9
+    rpy, joints, total = v[3:6], v[6 : 6 + count], p[-1]
+    state = limb_forward(joints, p[:-1])
+    rotation = rpy_rotation(rpy)
+    axes, at = chain_axes(rpy, state, joint_axes(p[:-1], count)), [*RPY, *range(6, 6 + count)]
+    feet = first(axes, [state.foot] * 3 + [state.foot - origin for origin in state.origins])
+    lumps = first(axes, [state.moment] * 3 + _distal_moments(state, p, count))
+    jacobian, hessian = ca.SX(6, 9 + count), ca.SX(9 + count, 9 + count)
+    mass = sum(p[JOINT_PARAMETERS * i + 15] for i in range(count))
+    for k in range(3):
+        jacobian[k, k], jacobian[k, 6 + count + k], jacobian[3 + k, k] = 1, -1, -mass / total
+    for i, column in enumerate(at):
+        jacobian[:3, column] = rotation @ feet[i]
+        jacobian[3:, column] = -(rotation @ lumps[i]) / total
+    place(hessian, at, second(axes, feet, rotation.T @ multiplier[:3]))
+    place(hessian, at, second(axes, lumps, -(rotation.T @ multiplier[3:]) / total))
+    return jacobian, hessian
+
+
+def _distal_moments(state: Any, p: Any, count: int) -> list[Any]:
+    """Per joint: Σ mass · (centre of mass − the joint's origin) over the bodies that it moves."""
+    arms: list[Any] = []
+    mass: Any = 0
+    moment: Any = 0
+    for i in reversed(range(count)):
+        at = JOINT_PARAMETERS * i + 15
+        mass = mass + p[at]
+        moment = moment + p[at] * state.origins[i] + state.turns[i] @ p[at + 1 : at + 4]
+        arms.append(moment - mass * state.origins[i])
+    return arms[::-1]

@@ -38,21 +38,23 @@ class Smoothness(Family):
             rows = robot.joint_indices(robot.limbs[i])
             q, count = trajectory.joints[i], len(rows)
             speeds = [np.zeros(count) if e is None else e.joint_velocity[rows] for e in ends]
-            parameters = np.array([self._parameters(trajectory, int(k), *speeds) for k in at])
             compiled = kernel(("smooth", count, self.joints), 3 * count, 4 + count, self._joint_instant)
-            problem.add_term(self.name, compiled, np.hstack([q[before], q[at], q[after]]), parameters)
+            places = np.hstack([q[before], q[at], q[after]])
+            problem.add_term(self.name, compiled, places, self._parameters(trajectory, *speeds))
         speeds = [np.zeros(6) if e is None else e.base_velocity for e in ends]
-        parameters = np.array([np.append(self._parameters(trajectory, int(k), *speeds), grid.step) for k in at])
+        parameters = np.hstack([self._parameters(trajectory, *speeds), np.tile(grid.step, (grid.samples, 1))])
         compiled = kernel(("smooth_base", self.position, self.rotation), 18, 13, self._base_instant)
         base = trajectory.base
         problem.add_term(self.name, compiled, np.hstack([base[before], base[at], base[after]]), parameters)
 
     @staticmethod
-    def _parameters(trajectory: Trajectory, k: int, start: Array, end: Array) -> Array:
+    def _parameters(trajectory: Trajectory, start: Array, end: Array) -> Array:
+        """(K, 4 + n) seconds, coefficients of the three samples, what end velocities add."""
         grid = trajectory.grid
-        coefficients, _, _ = grid.acceleration(k)
-        seconds = grid.dt * (1.0 if grid.cyclic or 0 < k < grid.samples - 1 else 0.5)
-        return np.concatenate([[seconds], coefficients, grid.end_velocity_terms(k, start, end)])
+        seconds = np.full((grid.samples, 1), grid.dt)
+        if not grid.cyclic:
+            seconds[[0, -1]] *= 0.5
+        return np.hstack([seconds, *grid.accelerations(start, end)])
 
     def _joint_instant(self, v: Any, p: Any) -> Any:
         import casadi as ca

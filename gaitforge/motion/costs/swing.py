@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.family import Family, carried, carried_back
 from gaitforge.motion.problem import Kernel, Problem, kernel
-from gaitforge.motion.trajectory import Trajectory, planar_motion, smooth_step
+from gaitforge.motion.trajectory import Discretisation, Trajectory, planar_motion, smooth_step, swings
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,7 @@ class SwingProfile(Family):
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """One place a swing sample whose swing begins and ends on the ground."""
         grid, robot = trajectory.grid, trajectory.robot
+        motions = _motions(grid)
         height, path = kernel("swing_height", 1, 2, _height_instant), kernel("swing_path", 6, 8, _path_instant)
         for i in trajectory.moving:
             share = swing_share(grid.ground[:, i], grid.cyclic)
@@ -37,43 +38,38 @@ class SwingProfile(Family):
             goal = robot.limbs[i].foot.radius + 1.1 * trajectory.step_height * up
             parameters = np.stack([np.full(len(here), self.weight * grid.dt), goal], axis=1)
             problem.add_term(self.name, height, trajectory.feet[i][here, 2:3], parameters)
-            self._add_paths(problem, trajectory, i, path)
+            self._add_paths(problem, trajectory, i, path, motions)
 
-    def _add_paths(self, problem: Problem, trajectory: Trajectory, limb: int, compiled: Kernel) -> None:
+    def _add_paths(
+        self, problem: Problem, trajectory: Trajectory, limb: int, compiled: Kernel, motions: NDArray[np.float64]
+    ) -> None:
         grid, feet = trajectory.grid, trajectory.feet[limb]
         places, parameters = [], []
         for lift, land in swings(grid.ground[:, limb], grid.cyclic):
-            for k in range(lift + 1, land):
-                s = (k - lift) / (land - lift)
-                at = np.array([lift, k, land]) % grid.samples
-                since, until = (self._motion(trajectory, n) for n in (k - lift, land - k))
-                places.append(feet[at, :2].ravel())
-                parameters.append([self.weight * grid.dt, float(smooth_step(s)), *since, *until])
+            k = np.arange(lift + 1, land)
+            done = smooth_step((k - lift) / (land - lift))
+            ends = np.array([lift, land]) % grid.samples
+            ways = [np.broadcast_to(feet[end, :2], (len(k), 2)) for end in ends]
+            places.append(np.hstack([ways[0], feet[k % grid.samples, :2], ways[1]]))
+            weights = np.full((len(k), 1), self.weight * grid.dt)
+            parameters.append(np.hstack([weights, done[:, None], motions[k - lift], motions[land - k]]))
         if places:
-            problem.add_term(self.name, compiled, np.array(places), np.array(parameters))
-
-    @staticmethod
-    def _motion(trajectory: Trajectory, intervals: int) -> NDArray[np.float64]:
-        """Motion of the commanded frame over some intervals (none outside gaits)."""
-        grid = trajectory.grid
-        return planar_motion(grid.command, intervals * grid.dt) if grid.cyclic else np.zeros(3)
+            problem.add_term(self.name, compiled, np.vstack(places), np.vstack(parameters))
 
 
-def swings(ground: NDArray[np.bool_], cyclic: bool) -> list[tuple[int, int]]:
-    """(last ground sample, first ground sample after it) of every swing that has both; the latter may exceed K."""
-    stands = np.flatnonzero(ground)
-    if not len(stands):
-        return []
-    following = np.append(stands[1:], stands[0] + len(ground)) if cyclic else stands[1:]
-    return [(int(a), int(b)) for a, b in zip(stands, following, strict=False) if b - a > 1]
+def _motions(grid: Discretisation) -> NDArray[np.float64]:
+    """(K + 1, 3) motion of the commanded frame over 0, 1, … intervals (none outside gaits)."""
+    if not grid.cyclic:
+        return np.zeros((grid.samples + 1, 3))
+    return planar_motion(grid.command, np.arange(grid.samples + 1) * grid.dt)
 
 
 def swing_share(ground: NDArray[np.bool_], cyclic: bool) -> NDArray[np.float64]:
     """(K,) how much of its swing is over at each sample in the air; NaN on the ground or at open swings."""
     share = np.full(len(ground), np.nan)
     for lift, land in swings(ground, cyclic):
-        for k in range(lift + 1, land):
-            share[k % len(ground)] = (k - lift) / (land - lift)
+        k = np.arange(lift + 1, land)
+        share[k % len(ground)] = (k - lift) / (land - lift)
     return share
 
 

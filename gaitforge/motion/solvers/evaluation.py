@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from gaitforge.motion.problem import Problem
+from gaitforge.motion.solvers.generated import compiled_map
 from gaitforge.motion.solvers.structure import Group, Structure
 
 Array = NDArray[np.float64]
@@ -20,7 +22,7 @@ class Evaluation:
     L = f + yᵀ g.  Arrays are overwritten by the next call.
     """
 
-    def __init__(self, structure: Structure) -> None:
+    def __init__(self, structure: Structure, native: bool = True) -> None:
         self.structure = structure
         values, jacobians, hessians = structure.sizes
         self._values = np.zeros(values)
@@ -34,13 +36,15 @@ class Evaluation:
             lengths.append(n * group.kernel.sizes[2])
             h, j, r = (slice(a, a + length) for a, length in zip(at, lengths, strict=True))
             out = (self._values[r], self._derivatives[j], self._derivatives[h])
-            self._calls.append(_Call(group, *out))
+            self._calls.append(_Call(group, *out, native))
             at = [a + length for a, length in zip(at, lengths, strict=True)]
         where, indices, indptr = structure.jacobian
         self._where = where
         self._jacobian_raw = self._derivatives[hessians:]
         count = len(structure.free)
         self.jacobian = sparse.csr_matrix((np.zeros(len(where)), indices, indptr), shape=(structure.row_count, count))
+        self.transposed = self.jacobian.T
+        """Jᵀ, on the same numbers"""
         self.kkt = np.zeros(len(structure.pattern[0]))
         """Nonzeros of K without Σ, δ and D"""
         self.cost = 0.0
@@ -76,12 +80,13 @@ class Evaluation:
 class _Call:
     """One mapped kernel with its buffers."""
 
-    def __init__(self, group: Group, values: Array, jacobian: Array, hessian: Array) -> None:
+    def __init__(self, group: Group, values: Array, jacobian: Array, hessian: Array, native: bool) -> None:
         self.group = group
         n, (nv, np_, nr) = len(group.variables), group.kernel.sizes
         self._v, self._p, self._m = np.zeros((n, nv)), np.zeros((n, np_)), np.ones((n, nr))
-        self._whole = _buffer(group.kernel.whole.map(n), (self._v, self._p, self._m), (values, jacobian, hessian))
-        self._value = _buffer(group.kernel.value.map(n), (self._v, self._p), (values,))
+        inputs, outputs = (self._v, self._p, self._m), (values, jacobian, hessian)
+        self._whole = _mapped(group.kernel.whole, inputs, outputs, native)
+        self._value = _mapped(group.kernel.value, inputs[:2], outputs[:1], native)
 
     def load(self, problem: Problem) -> None:
         np.concatenate([problem.terms[i].parameters for i in self.group.members], out=self._p)
@@ -97,21 +102,18 @@ class _Call:
         self._whole()
 
 
-def _buffer(function: Any, inputs: tuple[Array, ...], outputs: tuple[Array, ...]) -> Any:
-    """A call without arguments that reads and writes the given arrays (CasADi's order: one column an instance)."""
-    buffer, run = function.buffer()
+def _mapped(function: Any, inputs: tuple[Array, ...], outputs: tuple[Array, ...], native: bool) -> Callable[[], None]:
+    """A call without arguments that reads (places, …) arrays and writes flat ones."""
+    call = compiled_map(function, inputs, outputs) if native else None
+    if call is not None:
+        return call
+    buffer, run = function.map(len(inputs[0])).buffer()  # CasADi's order: one column a place
     for i, array in enumerate(inputs):
         buffer.set_arg(i, array.reshape(-1).data)
     for i, array in enumerate(outputs):
         buffer.set_res(i, array.data)
-    return _Run(run, (buffer, function, inputs, outputs))
 
+    def interpreted(_kept: Any = (buffer, inputs, outputs)) -> None:
+        run()
 
-class _Run:
-    """Keeps alive what the buffer points at."""
-
-    def __init__(self, run: Any, owners: Any) -> None:
-        self._run, self._owners = run, owners
-
-    def __call__(self) -> None:
-        self._run()
+    return interpreted

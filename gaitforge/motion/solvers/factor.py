@@ -2,19 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from gaitforge.motion.solvers.native import library
+from gaitforge.motion.solvers.supernodal import Supernodal
+
 Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class Factor(Protocol):
+    """LDLᵀ of a symmetric matrix whose pattern was given before."""
+
+    def factor(self, values: Array) -> int | None:
+        """Factor K with these nonzeros (upper triangle by columns); its number of negative pivots, None on failure."""
+        ...
+
+    def solve(self, right: Array) -> Array:
+        """K⁻¹ right, for the values factored last."""
+        ...
+
+
+def factor_of(indices: Ints, indptr: Ints, native: bool) -> Factor:
+    """The compiled factorisation where it is wanted and there is a compiler, qdldl elsewhere."""
+    compiled = library("ldl.c") if native else None
+    return Qdldl(indices, indptr) if compiled is None else Supernodal(indices, indptr, compiled)
 
 
 class Qdldl:
     """qdldl: quasi-definite LDLᵀ with AMD, ordered once and refactored in place."""
 
-    def __init__(self, indices: NDArray[np.int32], indptr: NDArray[np.int32]) -> None:
+    def __init__(self, indices: Ints, indptr: Ints) -> None:
         dimension = len(indptr) - 1
         self._matrix = sparse.csc_matrix((np.zeros(len(indices)), indices, indptr), shape=(dimension, dimension))
         self._solver: Any = None

@@ -165,7 +165,7 @@ class InteriorPoint:
         found, sides = self.evaluation, self.sides
         force = sides.add(-sides.sign * point.z)
         multipliers = self._row_multipliers(point, force)
-        stationarity = found.gradient + found.jacobian.T @ multipliers + force[: self.free]
+        stationarity = found.gradient + found.transposed @ multipliers + force[: self.free]
         off = found.rows[sides.equal] - sides.target
         gap = sides.gap(point.x, found.rows)
         short = gap - point.t
@@ -276,12 +276,12 @@ class InteriorPoint:
 
     @contextmanager
     def _timed(self, what: str) -> Iterator[None]:
-        begin = time.perf_counter()
+        begin = time.process_time()
         yield
-        self.timings[what] += time.perf_counter() - begin
+        self.timings[what] += time.process_time() - begin
 
 
 def _longest(values: Array, change: Array, fraction: float) -> float:
     """The longest step ≤ 1 that keeps values > 0, short of the boundary by `fraction`."""
-    falling = change < 0
-    return float(min(1.0, fraction * np.min(-values[falling] / change[falling], initial=np.inf)))
+    ratio = np.divide(values, -change, out=np.full_like(values, np.inf), where=change < 0)
+    return float(min(1.0, fraction * ratio.min(initial=np.inf)))

@@ -16,6 +16,7 @@ from gaitforge.record.channels.drawings import drawing_channels
 from gaitforge.record.channels.events import event_channels
 from gaitforge.record.channels.footfall import footfall_channels
 from gaitforge.record.channels.joints import joint_channels
+from gaitforge.record.channels.loads import load_channels
 from gaitforge.record.channels.matrix import matrix_channels
 from gaitforge.record.channels.segments import segment_channels
 from gaitforge.record.channels.states import state_channels
@@ -34,6 +35,7 @@ CHANNELS: tuple[Callable[[Run], list[Channel]], ...] = (
     state_channels,
     drawing_channels,
     surroundings_channels,
+    load_channels,
     event_channels,
     camera_channels,
 )

@@ -27,10 +27,11 @@ def surroundings_channels(run: Run) -> list[Channel]:
 
     aims = run.timeline.aims
     instants = sorted({0.0, *(a.start for a in aims), *(a.end for a in aims if a.end < run.timeline.duration)})
+    fixed = [item for item in run.scene.objects if item.name not in run.trace.objects]
     messages = []
     for time in instants:
         update = SceneUpdate()
-        for item in run.scene.objects:
+        for item in fixed:
             _draw(entity(update, item.name, run, time), item)
         for aim in aims:
             _sight(update, run, aim, time)

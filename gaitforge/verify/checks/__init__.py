@@ -5,6 +5,7 @@ from gaitforge.verify.checks.body import BodyHeight, Fallen, Tilt
 from gaitforge.verify.checks.contact import ContactAgreement, Slip, StaticMargin, UnplannedContacts
 from gaitforge.verify.checks.effort import CostOfTransport, JointTracking, PeakEffort, PeakSpeed
 from gaitforge.verify.checks.limits import CheckLimits, SegmentLimits
+from gaitforge.verify.checks.load import LoadAngle, LoadPlace
 from gaitforge.verify.checks.tool import CameraPointing, LineOfSight
 from gaitforge.verify.checks.travel import Heading, LateralDrift, Speed
 
@@ -19,6 +20,8 @@ ALL: tuple[SegmentCheck, ...] = (
     StaticMargin(),
     CameraPointing(),
     LineOfSight(),
+    LoadPlace(),
+    LoadAngle(),
     JointTracking(),
     PeakEffort(),
     PeakSpeed(),

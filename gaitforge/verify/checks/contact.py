@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
+from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.feet import CONTACT_N
 from gaitforge.verify.support import bridged, static_margin
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81
-"""[m/s²]"""
 
 
 def slip_per_stance(slip_speed: Array, planned: NDArray[np.bool_], dt: float) -> float:
@@ -81,7 +80,9 @@ class StaticMargin(SegmentCheck):
         holds = bridged(trace.normal_force > CONTACT_N, steps)[rows]
         margin = static_margin(trace.com[rows, :2], trace.contact_points[rows, :, :2], holds)
         value = lasting_minimum(margin, max(round(segment.limits.margin_hold_s / segment.dt), 1))
-        return Finding.at_least(1000.0 * value, segment.limit.static_margin_mm, "mm")
+        laden = any(holding.mass > 0.0 for holding in segment.entry.plan.holdings)
+        limit = segment.limit.laden_margin_mm if laden else None
+        return Finding.at_least(1000.0 * value, segment.limit.static_margin_mm if limit is None else limit, "mm")
 
 
 def lasting_minimum(values: Array, hold: int) -> float:

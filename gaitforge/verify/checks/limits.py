@@ -25,6 +25,12 @@ class SegmentLimits:
     """[mm] that the centre of mass is to be inside the polygon of real contacts, at least"""
     camera_pointing_deg: float | None = None
     """[deg] between optical axis and target"""
+    laden_margin_mm: float | None = None
+    """[mm] the same while a load is carried"""
+    load_place_mm: float = 20.0
+    """[mm] of a load in the grasp, or in reach, against its planned place relative to the body"""
+    load_angle_deg: float = 10.0
+    """[deg] … against its planned orientation"""
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,7 @@ class CheckLimits:
     """The table of limits (DESIGN of the project, verification): gaits, transitions and stands."""
 
     gait: SegmentLimits = SegmentLimits(
-        heading_deg=2.0, tilt_deg=2.0, body_height_mm=10.0, slip_mm=5.0, camera_pointing_deg=2.5
+        heading_deg=2.0, tilt_deg=2.0, body_height_mm=10.0, slip_mm=5.0, camera_pointing_deg=2.5, laden_margin_mm=10.0
     )
     transition: SegmentLimits = field(default_factory=SegmentLimits)
     stand: SegmentLimits = field(default_factory=SegmentLimits)

@@ -1,0 +1,36 @@
+"""What a plan says about an object in the robot's grasp: where it is to be, who touches it, how hard."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Holding:
+    """One object during one plan."""
+
+    object: str
+    """Name of the scene's object"""
+    poses: Array
+    """(N + 1, 6) or, where it does not move in the body frame, (1, 6): x, y, z [m], roll, pitch, yaw [rad] of its
+    centre in base_link"""
+    limbs: tuple[str, ...] = ()
+    """Limbs whose tips may touch it"""
+    efforts: Mapping[str, float] = field(default_factory=dict)
+    """joint → the effort [N m] that it may use: what it is closed with is the squeeze"""
+    mass: float = 0.0
+    """[kg] of the object while it is the robot that bears it"""
+
+    def at(self, share: Array) -> Array:
+        """(n, 6) where the object is to be in base_link; `share` (n,) of the plan's duration, 0 … 1."""
+        if len(self.poses) == 1:
+            return np.tile(self.poses, (len(share), 1))
+        knots = np.linspace(0.0, 1.0, len(self.poses))
+        return np.asarray(CubicSpline(knots, self.poses, axis=0, bc_type="clamped")(share))

@@ -1,0 +1,130 @@
+"""What the dense check found missed, and what is added to the motion problem for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from gaitforge.motion.bodies import BASE, Closest
+from gaitforge.motion.constraints.clearance import Clearance
+from gaitforge.motion.constraints.joint_speed import JointSpeed
+from gaitforge.motion.dense import DenseReport
+from gaitforge.motion.family import Family
+from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.plan import SolveReport
+from gaitforge.motion.segment import Segment
+
+NEAR_M = 0.01
+"""[m] pairs of bodies this much farther apart than the clearance are watched, too"""
+INSIDE_RAD = 2e-3
+"""[rad] by how much more than the excess the samples keep from a position limit"""
+
+
+@dataclass(frozen=True)
+class Miss:
+    """One promise of the samples that the spline does not keep."""
+
+    family: str
+    limb: str
+    value: float
+    unit: str
+    text: str
+
+
+@dataclass
+class Remedies:
+    """What refinement has added so far, and what each turn of it cost."""
+
+    shares: dict[int, float] = field(default_factory=dict)
+    """limb → share of its joint speed limits that a whole interval may use"""
+    clearances: list[Clearance] = field(default_factory=list)
+    joint_margin: float = 0.0
+    """[rad] kept from position limits on top of the option"""
+    log: list[dict[str, Any]] = field(default_factory=list)
+
+    @property
+    def families(self) -> list[Family]:
+        """Constraint families to be added to the problem."""
+        return [*(JointSpeed(share, (i,)) for i, share in self.shares.items()), *self.clearances]
+
+    def applied(self, options: MotionOptions) -> MotionOptions:
+        """The options with what has been tightened."""
+        return replace(options, joint_margin=options.joint_margin + self.joint_margin)
+
+    def record(self, answered: Iterable[str], report: SolveReport) -> None:
+        """Note one solve, and which families it answers (none: the first)."""
+        size = {key: report.details[key] for key in ("rows", "variables")}
+        done = {"iterations": report.iterations, "seconds": round(report.seconds, 5)}
+        self.log.append({"for": sorted(set(answered)), **size, **done})
+
+    def answer(self, segment: Segment, options: MotionOptions, report: DenseReport) -> None:
+        """Add what helps against joint speeds, position limits and bodies that come too close."""
+        robot = segment.robot
+        for i in segment.moving:
+            ratio = float(report.speed_ratio[robot.joint_indices(robot.limbs[i])].max())
+            if ratio > options.speed_share:
+                before = self.shares.get(i, options.speed_share)
+                self.shares[i] = before * min(0.95, 0.98 * options.speed_share / ratio)
+        beyond = float(report.limit_excess.max())
+        if beyond > 0.0:
+            self.joint_margin += beyond + INSIDE_RAD
+        close = bodies_free(segment, report)
+        if min((c.gap for c in close), default=np.inf) < 0.5 * options.clearance:
+            near = tuple(c for c in close if c.gap < options.clearance + NEAR_M)
+            self.clearances.append(Clearance(near, options.clearance))
+
+
+def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> list[Miss]:
+    """What the spline misses between samples, the ground only where a finer grid may still be taken."""
+    found, robot = [], segment.robot
+    finer = segment.grid.samples_per_column < options.finest
+    if finer and report.penetration > options.ground_tolerance:
+        deep = f"a foot {report.penetration * 1e3:.1f} mm in the ground"
+        found.append(Miss("ground", "", report.penetration, "m", deep))
+    if finer and report.slip > options.slip_tolerance:
+        found.append(Miss("slip", "", report.slip, "m", f"a foot slips {report.slip * 1e3:.1f} mm in a stance"))
+    fast = int(np.argmax(report.speed_ratio))
+    if report.speed_ratio[fast] > options.speed_share:
+        share, name = float(report.speed_ratio[fast]), robot.joint_names[fast]
+        found.append(
+            Miss("joint_speed", _limb_of(segment, fast), share, "", f"{name} at {share:.2f} of its speed limit")
+        )
+    far = int(np.argmax(report.limit_excess))
+    if report.limit_excess[far] > 0.0:
+        excess, name = float(report.limit_excess[far]), robot.joint_names[far]
+        text = f"{name} {excess:.3f} rad beyond its position limit"
+        found.append(Miss("joint_limits", _limb_of(segment, far), excess, "rad", text))
+    pair = min(bodies_free(segment, report), key=lambda c: c.gap, default=None)
+    if pair is not None and pair.gap < 0.5 * options.clearance:
+        text = f"{pair.first.name} {pair.gap * 1e3:.0f} mm from {pair.second.name}"
+        found.append(Miss("clearance", _owner(segment, pair), pair.gap, "m", text))
+    return found
+
+
+def bodies_free(segment: Segment, report: DenseReport) -> list[Closest]:
+    """Pairs of bodies that this segment can part: not those in the states that its neighbours have fixed."""
+    return [c for c in report.close if not _given(segment, c) and _moves(segment, c)]
+
+
+def _moves(segment: Segment, pair: Closest) -> bool:
+    return any(c.limb in segment.moving for c in (pair.first, pair.second))
+
+
+def _given(segment: Segment, pair: Closest) -> bool:
+    grid = segment.grid
+    first = grid.start is not None and not grid.start.rest and pair.sample == 0
+    last = grid.end is not None and not grid.end.rest and pair.sample == grid.intervals
+    return first or last
+
+
+def _owner(segment: Segment, pair: Closest) -> str:
+    names = segment.robot.limb_names
+    return "+".join(names[c.limb] for c in (pair.first, pair.second) if c.limb != BASE)
+
+
+def _limb_of(segment: Segment, row: int) -> str:
+    name = segment.robot.joint_names[row]
+    return next((limb.name for limb in segment.robot.limbs if name in limb.joints), "")

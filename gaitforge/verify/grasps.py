@@ -1,0 +1,50 @@
+"""Loads in a simulated run: who may touch them, what they weigh on the robot, how far they are from their place."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.motion.timeline import Timeline, TimelineSamples
+from gaitforge.robot.model import RobotModel
+from gaitforge.robot.rotation import matrices, matrices_of_quaternions
+from gaitforge.task.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+def grasp_contacts(robot: RobotModel, timeline: Timeline, plan: TimelineSamples, scene: Scene) -> NDArray[np.bool_]:
+    """(n, n_F, n_objects) is the tip of a limb to touch an object."""
+    names = [item.name for item in scene.objects]
+    allowed = np.zeros((len(plan.times), len(robot.limbs), len(names)), dtype=bool)
+    for index, entry in enumerate(timeline.entries):
+        for holding in entry.plan.holdings:
+            for limb in holding.limbs:
+                allowed[plan.segment == index, robot.limb_names.index(limb), names.index(holding.object)] = True
+    return allowed
+
+
+def laden_com(
+    robot: RobotModel, timeline: Timeline, plan: TimelineSamples, com: Array, objects: dict[str, Array]
+) -> Array:
+    """(n, 3) centre of mass of the robot, at `com` (n, 3), and of what it is planned to bear, where that really is."""
+    moment, mass = robot.mass * com, np.full(len(com), robot.mass)
+    for index, entry in enumerate(timeline.entries):
+        for holding in entry.plan.holdings:
+            rows = plan.segment == index
+            moment[rows] += holding.mass * objects[holding.object][rows, :3]
+            mass[rows] += holding.mass
+    return np.asarray(moment / mass[:, None])
+
+
+def load_errors(base_poses: Array, measured: Array, planned: Array) -> tuple[Array, Array]:
+    """(n,) distance [m] and angle [rad] between a load and its planned place relative to the body, NaN without plan.
+
+    base_poses (n, 6) measured, measured (n, 7) pose of the load in the world, planned (n, 6) in base_link.
+    """
+    R = matrices(base_poses[:, 3:])
+    place = np.einsum("nji,nj->ni", R, measured[:, :3] - base_poses[:, :3])
+    turn = np.einsum("nji,njk->nik", R, matrices_of_quaternions(measured[:, 3:]))
+    missed = np.einsum("nji,njk->nik", matrices(planned[:, 3:]), turn)
+    cosine = 0.5 * (np.trace(missed, axis1=1, axis2=2) - 1.0)
+    return np.linalg.norm(place - planned[:, :3], axis=1), np.arccos(np.clip(cosine, -1.0, 1.0))

@@ -1,0 +1,144 @@
+"""Compiled code gives what interpreted code gives, is made once, and is never needed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from gaitforge.motion.plan import Command
+from gaitforge.motion.solvers import native
+from gaitforge.motion.solvers.factor import Qdldl, factor_of
+from gaitforge.motion.solvers.structured import Structured
+from gaitforge.motion.solvers.supernodal import Supernodal
+from gaitforge.motion.solvers.supernodes import find_supernodes
+from gaitforge.motion.solvers.workspace import forget, workspace_of
+from gaitforge.robot.model import RobotModel
+from tests.motion.motion_kit import PATIENT, TRIPOD, gait_segment
+
+needs_compiler = pytest.mark.skipif(native.library("ldl.c") is None, reason="no C compiler")
+
+
+def random_kkt(seed: int, variables: int, rows: int) -> sparse.csc_matrix:
+    """The upper triangle of a sparse quasi-definite matrix."""
+    rng = np.random.default_rng(seed)
+    hessian = sparse.random(variables, variables, 0.05, random_state=seed)
+    jacobian = sparse.random(rows, variables, 0.1, random_state=seed + 1)
+    top = hessian @ hessian.T + sparse.diags(rng.uniform(0.5, 2.0, variables))
+    full = sparse.bmat([[top, jacobian.T], [jacobian, -sparse.diags(rng.uniform(1e-6, 1.0, rows))]])
+    upper = sparse.triu(full, format="csc")
+    upper.sort_indices()
+    return upper
+
+
+@needs_compiler
+@pytest.mark.parametrize("seed", range(8))
+def test_panels_solve_what_qdldl_and_a_dense_solver_solve(seed: int) -> None:
+    upper = random_kkt(seed, 10 + 30 * seed, 1 + 12 * seed)
+    indices, indptr = upper.indices.astype(np.int32), upper.indptr.astype(np.int32)
+    library = native.library("ldl.c")
+    assert library is not None
+    ours, theirs = Supernodal(indices, indptr, library), Qdldl(indices, indptr)
+    full = upper.toarray() + np.triu(upper.toarray(), 1).T
+    right = np.random.default_rng(seed).normal(size=len(full))
+    for scale in (1.0, 3.0):  # refactored in place
+        negative = ours.factor(scale * upper.data)
+        assert negative == theirs.factor(scale * upper.data) == (np.linalg.eigvalsh(full) < 0).sum()
+        expected = np.linalg.solve(scale * full, right)
+        assert ours.solve(right) == pytest.approx(expected, rel=1e-6, abs=1e-8)
+        assert theirs.solve(right) == pytest.approx(expected, rel=1e-6, abs=1e-8)
+
+
+@needs_compiler
+def test_a_zero_pivot_is_a_failure_and_not_a_number() -> None:
+    indices, indptr = np.array([0, 0, 1], dtype=np.int32), np.array([0, 1, 3], dtype=np.int32)
+    factor = factor_of(indices, indptr, native=True)
+    assert isinstance(factor, Supernodal)
+    assert factor.factor(np.array([1.0, 1.0, 1.0])) is None
+    assert factor.factor(np.array([1.0, 2.0, 1.0])) == 1
+
+
+def test_supernodes_store_every_entry_of_the_factor_once() -> None:
+    import qdldl
+
+    upper = random_kkt(4, 80, 30)
+    lower, _, order = qdldl.Solver(upper, upper=True).factors()
+    nodes = find_supernodes(upper.indices, upper.indptr, np.asarray(order), lower.indices, lower.indptr)
+    assert len(set(nodes.target.tolist())) == upper.nnz
+    stored = {
+        (int(row), column)
+        for s in range(len(nodes.first) - 1)
+        for column in range(nodes.first[s], nodes.first[s + 1])
+        for row in nodes.rows[nodes.rowptr[s] : nodes.rowptr[s + 1]]
+        if row >= column
+    }
+    needed = {(int(r), int(c)) for r, c in zip(*lower.nonzero(), strict=True)} | {(k, k) for k in range(len(order))}
+    assert needed <= stored
+    assert len(nodes.first) - 1 < len(order), "some columns share a panel"
+    assert (np.diff(nodes.start) == np.diff(nodes.first) * np.diff(nodes.rowptr)).all()
+
+
+@needs_compiler
+def test_compiled_kernels_give_what_interpreted_ones_give(hexapod: RobotModel) -> None:
+    problem, _ = gait_segment(hexapod, TRIPOD, Command(0.05, 0.3, 0.15), r=2).build(PATIENT)
+    compiled, interpreted = (workspace_of(problem, native=wanted).evaluation for wanted in (True, False))
+    assert compiled is not interpreted
+    rng = np.random.default_rng(1)
+    x = problem.x0[workspace_of(problem).structure.free]
+    x, multipliers = x + 0.01 * rng.normal(size=len(x)), rng.normal(size=problem.row_count)
+    for evaluation in (compiled, interpreted):
+        evaluation.load(problem)
+        evaluation.derivatives(x, multipliers)
+    assert compiled.cost == pytest.approx(interpreted.cost, rel=1e-12)
+    for name in ("rows", "gradient", "kkt"):
+        assert getattr(compiled, name) == pytest.approx(getattr(interpreted, name), rel=1e-10, abs=1e-10)
+
+
+def test_without_a_compiler_the_same_plan_is_found(
+    hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    problem, _ = gait_segment(hexapod, TRIPOD, Command(0.05)).build(PATIENT)
+    here = Structured(fallback=None).solve(problem)
+    forget()
+    native.library.cache_clear()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("CC", "no-such-compiler")
+    try:
+        bare = Structured(fallback=None).solve(problem)
+        assert isinstance(workspace_of(problem).factor, Qdldl)
+    finally:
+        forget()
+        native.library.cache_clear()
+    asked_not_to = Structured(fallback=None, native=False).solve(problem)
+    assert not list(tmp_path.rglob("*.so"))
+    for other in (bare, asked_not_to):
+        assert other.solved
+        assert other.x == pytest.approx(here.x, abs=1e-6)
+
+
+def test_a_compiler_that_fails_is_as_good_as_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("CC", "false")
+    assert native.compiled("broken", "this is no C", "-O1") is None
+    assert not list(tmp_path.rglob("*.so"))
+
+
+@needs_compiler
+def test_many_may_compile_at_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    with ThreadPoolExecutor(4) as pool:
+        made = list(pool.map(lambda _: native.compiled("seven", "int seven(void) { return 7; }", "-O1"), range(4)))
+    assert [library.seven() for library in made if library is not None] == [7, 7, 7, 7]
+    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 1, "nothing is left lying about"
+    program = (
+        "from gaitforge.motion.solvers import native; "
+        "print(native.compiled('seven', 'int seven(void) { return 7; }', '-O1').seven())"
+    )
+    command = [sys.executable, "-c", program]
+    monkeypatch.setenv("CC", "no-such-compiler")
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() == "7"

@@ -1,0 +1,94 @@
+"""Boxes in a grasp, in PyBullet: held, put down, and dropped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gaitforge as gf
+from gaitforge.motion.footing import under_load
+from gaitforge.motion.handling import State, carry, plan_pick, plan_place
+from gaitforge.motion.timeline_build import build_timeline
+from gaitforge.robot.model import RobotModel
+from gaitforge.robot.rotation import quaternions
+from gaitforge.task.handling import Pick
+from gaitforge.task.scene import Scene, SceneObject
+from gaitforge.verify.grasps import load_errors
+from gaitforge.verify.verdict import Verdict
+from gaitforge.verify.verify import verify_timeline
+
+BOX = SceneObject("box", "box", (0.33, 0.0, 0.06), size=(0.16, 0.25, 0.12), mass=0.5)
+
+
+def lifted_and_put_down(robot: RobotModel, squeeze: float) -> Verdict:
+    """A hexapod on its four rear legs takes a box from the ground, and puts it back."""
+    carried = carry(robot, BOX, Pick("box", ("L1", "R1"), squeeze), (0.0, 0.0, 0.0))
+    held = robot.nominal.held_posture.copy()
+    for name, q in carried.joints.items():
+        held[robot.joint_indices(robot.limb(name))] = q
+    grasping = replace(robot, nominal=replace(robot.nominal, held_posture=held)).carrying(carried.load)
+    joints = under_load(grasping, ("L2", "L3", "R2", "R3")).nominal.posture.copy()
+    for name, q in carried.joints.items():
+        joints[robot.joint_indices(robot.limb(name))] = q
+    rest = State(np.array([0.0, 0.0, robot.nominal.body_height, 0.0, 0.0, 0.0]), joints)
+    plans = [*plan_pick(robot, carried, rest, {}), *plan_place(robot, carried, rest, {}, 0.0)]
+    return verify_timeline(robot, build_timeline(robot, [(plan, 1) for plan in plans]), Scene((BOX,)))
+
+
+@pytest.fixture(scope="module")
+def hexapod() -> RobotModel:
+    return gf.load_robot("hexapod")
+
+
+@pytest.fixture(scope="module")
+def verdict(hexapod: RobotModel) -> Verdict:
+    return lifted_and_put_down(hexapod, 25.0)
+
+
+def test_a_box_is_lifted_held_and_put_down(verdict: Verdict) -> None:
+    assert verdict.passed, verdict.failed
+    height = verdict.trace.objects["box"][:, 2]
+    assert height[0] == pytest.approx(0.06, abs=1e-3)
+    assert height.max() == pytest.approx(0.10, abs=2e-3)
+    assert height[-1] == pytest.approx(0.06, abs=1e-3)
+    named = {(c.name, c.segment) for c in verdict.checks}
+    assert {("load_place", "box_lift"), ("load_angle", "box_open")} <= named
+
+
+def test_the_squeeze_is_what_was_asked_for(verdict: Verdict) -> None:
+    """Newton: with the tips at rest on the box, the servo's torque over its lever about the vertical axis of J1."""
+    trace, robot = verdict.trace, verdict.timeline.robot
+    (lift,) = (e for e in verdict.timeline.entries if e.plan.name == "box_lift")
+    row = int(np.searchsorted(trace.times, lift.end - 0.05))
+    feet = robot.foot_positions(np.zeros(6), trace.joint_positions[row])
+    lever = feet[0, 0] - 0.125  # [m] from the axis of J1, the force being along y
+    torque = abs(trace.joint_torques[row, robot.joint_names.index("L1_J1")])
+    assert torque / lever == pytest.approx(25.0, rel=0.1)
+
+
+def test_the_centre_of_mass_of_a_trace_counts_the_box_while_it_is_borne(verdict: Verdict) -> None:
+    trace, robot = verdict.trace, verdict.timeline.robot
+    for name, share in (("box_close", 0.0), ("box_lift", 0.5 / (robot.mass + 0.5))):
+        (entry,) = (e for e in verdict.timeline.entries if e.plan.name == name)
+        row = int(np.searchsorted(trace.times, entry.end - 0.1))
+        own = robot.center_of_mass(trace.base_poses[row], trace.joint_positions[row])
+        np.testing.assert_allclose(trace.com[row], own + share * (trace.objects["box"][row, :3] - own), atol=1e-5)
+
+
+def test_a_box_that_is_squeezed_too_little_is_not_kept(hexapod: RobotModel) -> None:
+    loose = lifted_and_put_down(hexapod, 2.0)
+    assert {c.name for c in loose.failed} >= {"load_place"}
+    assert loose.trace.objects["box"][:, 2].max() < 0.08
+
+
+def test_load_errors_are_a_distance_and_an_angle_in_the_body_frame() -> None:
+    base = np.array([[1.0, 2.0, 0.1, 0.0, 0.0, np.pi / 2]])
+    planned = np.array([[0.3, 0.0, 0.0, 0.0, 0.0, 0.0]])
+    exact = np.array([[1.0, 2.3, 0.1, *quaternions([0.0, 0.0, np.pi / 2])]])
+    far, turned = load_errors(base, exact, planned)
+    assert (far[0], turned[0]) == (pytest.approx(0.0, abs=1e-12), pytest.approx(0.0, abs=1e-7))
+    other = np.array([[1.0, 2.3, 0.13, *quaternions([0.2, 0.0, np.pi / 2])]])
+    far, turned = load_errors(base, other, planned)
+    assert (far[0], turned[0]) == (pytest.approx(0.03), pytest.approx(0.2))
