@@ -6,20 +6,24 @@ in the way, and a few changes are tried for whether they help, so that advice is
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from gaitforge.errors import UnsolvedError
+from gaitforge.motion.constraints.joint_speed import JointSpeed
 from gaitforge.motion.elastic import Violation, least_violation
-from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
-from gaitforge.motion.segment import Segment
+from gaitforge.motion.segment import Segment, step_height
 from gaitforge.motion.solvers.structured import Structured
+from gaitforge.motion.trajectory import Discretisation
 
 MOST = 6
 """Causes that are told"""
 PROBE = Structured(max_iterations=40, patience=12, fallback=None)
 """The solver of what is tried: an answer soon, or none"""
+MEAN = 0.85
+"""The mean over an interval, as a share of the largest speed in it"""
 SPEEDS = (0.75, 0.5, 0.25)
 
 
@@ -46,20 +50,37 @@ class Cause:
         }  # fmt: skip
 
 
-def explain(segment: Segment, options: MotionOptions, extra: Sequence[Family] = ()) -> dict[str, Any]:
-    """The ``explain`` entry of a segment that has no plan: families, limbs, causes, text, advice and what was tried."""
-    problem, _ = segment.build(options, extra)
+def explained(
+    segment: Segment, options: MotionOptions, failure: UnsolvedError, shares: Mapping[int, float]
+) -> UnsolvedError:
+    """The failure of a segment, with who resists, where, by how much, and what would help; `shares` as in `explain`."""
+    why = explain(segment, options, shares)
+    known = {key: value for key, value in why.items() if value}
+    message = f"{failure.message}; {why['text']}; {why['advice']}" if why["causes"] else failure.message
+    return UnsolvedError(message, {**failure.explain, **known})
+
+
+def explain(segment: Segment, options: MotionOptions, shares: Mapping[int, float] | None = None) -> dict[str, Any]:
+    """The ``explain`` entry of a segment that has no plan: families, limbs, causes, text, advice and what was probed.
+
+    Joint speeds, which refinement would add, are asked for from the start, by limb the `shares` of their limits that
+    refinement had come to; the smallest stability share counts.
+    """
+    asked = replace(options, stability_share=min(options.stability_shares), table=False)
+    known = shares or {}
+    speeds = [JointSpeed(known.get(i, options.speed_share), (i,)) for i in segment.moving]
+    problem, _ = segment.build(asked, speeds)
     _, violations = least_violation(problem)
     causes = _causes(segment, violations)
-    tried = list(_tried(segment, options))
-    helped = [what for what, works in tried if works]
+    probed = list(_probed(segment, replace(asked, solver=PROBE)))
+    helped = [what for what, works in probed if works]
     return {
         "segment": segment.name,
         "families": list(dict.fromkeys(c.family for c in causes)),
         "limbs": list(dict.fromkeys(name for c in causes for name in c.limb.split("+") if name)),
         "causes": [c.as_dict() for c in causes],
-        "text": "; ".join(c.text for c in causes[:3]) or "no row stands out: the optimiser lost its way",
-        "tried": [{"what": what, "has_a_plan": works} for what, works in tried],
+        "text": "; ".join(c.text for c in causes[:3]),
+        "probed": [{"what": what, "has_a_plan": works} for what, works in probed],
         "advice": _advice(causes, helped),
     }
 
@@ -133,38 +154,32 @@ def _foot(segment: Segment, name: str, sample: int | None, violation: Violation)
     return f"the foot of {name} is {far} short of its place {where}", "shorter steps: walk slower, or a shorter cycle"
 
 
-def _tried(segment: Segment, options: MotionOptions) -> Iterator[tuple[str, bool]]:
-    """(what was changed, whether a plan was found then): slower until one is, lower steps, more time."""
-    quick = replace(options, solver=PROBE, stability_share=min(options.stability_shares), table=False)
-    grid, height = segment.grid, segment.robot.nominal.step_height
-    command = grid.command
+def _probed(segment: Segment, options: MotionOptions) -> Iterator[tuple[str, bool]]:
+    """(what was changed, whether the problem is solved then): slower until it is, lower steps, more time."""
+    grid, command = segment.grid, segment.grid.command
+    speeds = JointSpeed(MEAN * options.speed_share)
+
+    def solved(changed: Discretisation) -> bool:
+        problem, _ = replace(segment, grid=changed).build(options, [speeds])
+        return options.solver.solve(problem).solved
+
     if segment.kind == "gait" and (command.speed or command.yaw_rate):
         for share in SPEEDS:
             slower = replace(command, speed=share * command.speed, yaw_rate=share * command.yaw_rate)
-            works = _solves(replace(segment, grid=replace(grid, command=slower)), quick)
+            works = solved(replace(grid, command=slower))
             turn = f" and {slower.yaw_rate:.3g} rad/s" if command.yaw_rate else ""
             yield f"{slower.speed:.3g} m/s{turn}", works
             if works:
                 break
-    asked = next((h for h in (command.step_height, options.step_height) if h is not None), height)
-    lower = replace(command, step_height=0.5 * asked)
-    yield f"steps of {500 * asked:.0f} mm", _solves(replace(segment, grid=replace(grid, command=lower)), quick)
+    height = step_height(segment.robot, command, options)
+    lower = replace(command, step_height=0.5 * height)
+    yield f"steps of {500 * height:.0f} mm", solved(replace(grid, command=lower))
     longer = replace(grid, duration=1.5 * grid.duration)
-    if segment.kind == "gait":
-        longer = replace(longer, command=replace(command, speed=command.speed / 1.5, yaw_rate=command.yaw_rate / 1.5))
-    yield (
-        f"{longer.duration:.3g} s instead of {grid.duration:.3g} s, steps as long",
-        _solves(replace(segment, grid=longer), quick),
-    )
-
-
-def _solves(segment: Segment, options: MotionOptions) -> bool:
-    problem, _ = segment.build(options)
-    return options.solver.solve(problem).solved
+    yield f"{longer.duration:.3g} s instead of {grid.duration:.3g} s", solved(longer)
 
 
 def _advice(causes: Sequence[Cause], helped: Sequence[str]) -> str:
-    """What was tried and has a plan; else what the causes suggest."""
+    """What was probed and is solved; else what the causes suggest."""
     if helped:
         return "has a plan with " + ", or with ".join(helped)
     told = dict.fromkeys(c.advice for c in causes[:3])

@@ -15,7 +15,7 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.rotate import rotated
 from gaitforge.motion.solvers.structured import Structured
 from gaitforge.pipeline.segment import Attempt, exhausted
-from gaitforge.pipeline.tries import Try, attempt, cheapest
+from gaitforge.pipeline.tries import Try, attempt, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Failed, Held, Role
 
@@ -54,8 +54,8 @@ def recover(
     """From the running `gait` and the limbs that walk no more to the next gait and the transition into it.
 
     `leave`: the column of the gait's cycle at which it is left (the transition is planned for a gait begun
-    there, `rotated`).  `roles`: what lost limbs do, by default they are `Held`; a `Failed` one is locked
-    where it is at that moment.  `policy`: *first* takes the first pattern that has a plan, the running gait
+    there, `rotated`).  `roles`: what lost limbs do, by default they are `Held`: the transition lifts them (one that
+    is locked cannot be, see ``task=limb_failure``).  `policy`: *first* takes the first pattern that has a plan, the running gait
     without the limbs if it will do; *best* plans the patterns of the cascade and takes the cheapest.  `speed`
     [m/s], None: that of `gait`; `footfall`: keyword arguments of the pattern synthesis; `options` None: the
     defaults with the structured solver.
@@ -67,6 +67,10 @@ def recover(
     search = _Search(robot, rotated(gait, leave), _gone(robot, gait, lost), policy, dict(footfall or {}), options)
     begin = time.perf_counter()
     given = {robot.limb(name).name: role for name, role in (roles or {}).items()}
+    locked = [name for name in search.lost if isinstance(given.get(name), Failed)]
+    if locked:
+        found, expected = ", ".join(locked) + " failed", "limbs that can be lifted; task=limb_failure for others"
+        raise InputError(Problem("recover", "roles", found, expected))
     after = search.gait({**gait.roles, **{name: Held() for name in search.lost}, **given}, speed)
     move = search.transition(after)
     return Recovery(move, after, tuple(search.left), {**search.seconds, "total": time.perf_counter() - begin})
@@ -89,23 +93,19 @@ class _Search:
         options: MotionOptions | None,
     ) -> None:  # fmt: skip
         self.robot, self.before, self.lost, self.policy = robot, before, lost, policy
-        self.footfall, self.options = footfall, options or MotionOptions(solver=Structured())
+        self.footfall = footfall
+        self.options = unexplained(options or MotionOptions(solver=Structured()))
         self.left: list[Attempt] = []
         self.seconds: dict[str, float] = {}
 
     def gait(self, roles: Mapping[str, Role], speed: float | None) -> MotionPlan:
         """A plan on the limbs that are left."""
         before, command = self.before, self.before.command
-        locked = {
-            name: before.joint_positions[self.robot.joint_indices(self.robot.limb(name)), 0]
-            for name in self.lost
-            if isinstance(roles[name], Failed)
-        }
         column_s = before.duration / before.pattern.columns
         tries = (
             Try(f"{p.source} pattern, {p.columns} columns", "gait", self.robot, (p,), {
                 "speed": command.speed if speed is None else speed, "heading": command.heading,
-                "yaw_rate": command.yaw_rate, "duration": column_s * p.columns, "roles": roles, "postures": locked,
+                "yaw_rate": command.yaw_rate, "duration": column_s * p.columns, "roles": roles,
                 "loads": before.loads, "name": "without_" + "_".join(self.lost), "options": self.options,
                 "like": before if p.columns == before.pattern.columns else None,
             })
@@ -129,15 +129,17 @@ class _Search:
 
     def _planned(self, kind: str, tries: Iterator[Try]) -> MotionPlan:
         """The first try with a plan, or the cheapest of `CANDIDATES` with one."""
-        size = 1 if self.policy == "first" else CANDIDATES
+        size, first = 1 if self.policy == "first" else CANDIDATES, None
         while batch := _taken(tries, size):
+            first = first or batch[0]
             begin = time.perf_counter()
             plan, left = cheapest([attempt(one) for one in batch])
             self.seconds[kind] = self.seconds.get(kind, 0.0) + time.perf_counter() - begin
             self.left += left
             if plan is not None:
                 return plan
-        raise UnsolvedError(f"{kind} without {', '.join(self.lost)}: no try has a plan", exhausted(kind, self.left))
+        explain = exhausted(kind, self.left, why(first))
+        raise UnsolvedError(f"{kind} without {', '.join(self.lost)}: no try has a plan", explain)
 
     def _gait_patterns(self) -> Iterator[FootfallPattern]:
         from gaitforge.footfall.quick import pattern_without
