@@ -22,7 +22,7 @@ from gaitforge.motion.stance import Posture, commanded_stance
 from gaitforge.motion.trajectory import Discretisation, Guess, planar_motion
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.payload import Load
-from gaitforge.task.roles import Held, Role, Tool
+from gaitforge.task.roles import Failed, Held, Role, Tool
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,8 @@ def plan_gait(
 
     `speed` [m/s], `heading` [rad] of the velocity in the body frame, `yaw_rate` [rad/s]; `body_height`
     [m], `roll` and `pitch` [rad] in the mean, `step_height` [m], `posture`: how the limbs that walk stand,
-    by a name of the robot's or limb name → joints [rad]; `duration` [s] of one cycle, or ``auto``:
+    by a name of the robot's or limb name → joints [rad], by default the one that the pattern's footholds
+    were placed with, if they were (g11); `duration` [s] of one cycle, or ``auto``:
     the shortest with joint speeds and torques below their `speed_share` and `effort_share`.  None takes
     the robot's nominal value.  `samples_per_column`: r, kept as it is
     when given; None begins with two and lets refinement take more.  `roles`: limb or tool name → what a limb
@@ -75,7 +76,8 @@ def plan_gait(
     nominal = robot.nominal
     speed = nominal.speed if speed is None else speed
     command = Command(speed, heading, yaw_rate, body_height, roll, pitch, step_height)
-    stance = commanded_stance(robot, command, posture)
+    placed = pattern.info.get("posture_rad")  # stands on the footholds that its margin speaks of
+    stance = commanded_stance(robot, command, placed if posture is None else posture)
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     named = {robot.limb(limb).name: role for limb, role in (roles or {}).items()}
     given = {**_mean_aims(robot, named, expected_base), **(postures or {})}
@@ -129,7 +131,7 @@ def resting_joints(
         rows = robot.joint_indices(limb)
         role = roles.get(limb.name)
         joints[rows] = robot.nominal.held_posture[rows]
-        if isinstance(role, Held) and role.posture is not None:
+        if isinstance(role, Held | Failed) and role.posture is not None:
             joints[rows] = role.posture
         if limb.name in postures:
             joints[rows] = postures[limb.name]

@@ -9,8 +9,8 @@ from typing import TypeVar
 from gaitforge.motion.constraints import default_constraints
 from gaitforge.motion.costs import default_costs
 from gaitforge.motion.family import Family
-from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import MotionSolver
+from gaitforge.motion.solvers.structured import Structured
 
 F = TypeVar("F", bound=Family)
 
@@ -58,7 +58,7 @@ class MotionOptions:
     """Whether the least violated point is looked for when there is no plan: some seconds, for an answer to why."""
     table: bool = False
     """Whether reports say what the problem consists of (`motion.table`)."""
-    solver: MotionSolver = field(default_factory=Ipopt)
+    solver: MotionSolver = field(default_factory=Structured)
 
     def __post_init__(self) -> None:
         for key in ("constraints", "costs"):

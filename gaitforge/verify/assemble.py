@@ -6,10 +6,10 @@ import numpy as np
 
 from gaitforge.motion.timeline import Timeline, TimelineSamples
 from gaitforge.robot.model import RobotModel
+from gaitforge.robot.run_kinematics import run_kinematics
 from gaitforge.task.scene import Scene
 from gaitforge.verify.feet import foot_contacts, foot_of_contacts, last_contact_points
 from gaitforge.verify.grasps import grasp_contacts, laden_com
-from gaitforge.verify.kinematics import run_kinematics
 from gaitforge.verify.pointing import pointing
 from gaitforge.verify.recording import Recording
 from gaitforge.verify.support import static_margin

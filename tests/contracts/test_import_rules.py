@@ -18,7 +18,7 @@ LAYERS = (
 HEAVY = {
     "ortools": {"footfall"},
     "casadi": {"robot", "motion"},
-    "pinocchio": {"robot", "motion", "verify", "record"},
+    "pinocchio": {"robot", "motion"},
     "pybullet": {"verify"},
     "mujoco": {"verify"},
     "mcap": {"record"},

@@ -66,6 +66,28 @@ def test_a_hexapod_without_some_limbs_has_the_margin_that_its_pattern_reports(he
     assert ("sways" in relaxed) == ("sway_m" in pattern.info)
 
 
+def test_the_posture_of_a_pattern_stands_on_its_footholds_under_its_centre_of_mass(hexapod):
+    problem = gait_problem(hexapod, without(hexapod, "L2"), 12)
+    info = placed_pattern(hexapod, problem, FAMILIES, SearchOptions()).info
+    assert list(info["posture_rad"]) == without(hexapod, "L2")
+    joints, base = np.array(hexapod.nominal.held_posture), np.zeros(6)
+    base[2] = hexapod.nominal.body_height
+    for name, values in info["posture_rad"].items():
+        joints[hexapod.joint_indices(hexapod.limb(name))] = values
+    walking = [hexapod.limb_names.index(name) for name in info["posture_rad"]]
+    feet = hexapod.foot_positions(base, joints)[walking]
+    assert feet[:, :2] == pytest.approx(np.array(info["footholds_m"])[walking], abs=2e-5)
+    assert feet[:, 2] == pytest.approx(hexapod.limbs[0].foot.radius, abs=2e-5)
+    assert hexapod.center_of_mass(base, joints)[:2] == pytest.approx(info["center_of_mass_m"], abs=2e-5)
+
+
+def test_a_body_that_sways_has_no_one_posture(hexapod):
+    problem = gait_problem(hexapod, without(hexapod, "L2", "R2"), 12)
+    info = placed_pattern(hexapod, problem, FAMILIES, SearchOptions()).info
+    assert "sway_m" in info
+    assert "posture_rad" not in info
+
+
 @settings(max_examples=15, deadline=None, derandomize=True)
 @given(lost=st.sets(st.sampled_from(tuple(f"{s}{i}" for s in "LR" for i in range(1, 7))), min_size=1, max_size=4))
 def test_a_dodecapod_without_up_to_four_limbs_has_the_margin_asked_for(lost):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from walkers import HEIGHT, RADIUS, posture, walker
 
+from gaitforge.robot.run_kinematics import run_kinematics
 from gaitforge.verify.checks.contact import lasting_minimum, slip_per_stance
-from gaitforge.verify.kinematics import run_kinematics
 
 ROBOT = walker(3)
 STILL = np.zeros((1, 18))

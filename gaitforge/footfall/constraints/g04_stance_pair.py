@@ -5,37 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from gaitforge.footfall.constraints.base import Contact, LimbConstraint, Violation, require_at_least, rows_of
-from gaitforge.footfall.constraints.rules import LimbRule
-from gaitforge.footfall.constraints.runs import runs_of
-from gaitforge.footfall.problem import FootfallProblem
+from gaitforge.footfall.constraints.phase_length import PhaseLength
 
 
 @dataclass(frozen=True)
-class StancePair(LimbConstraint):
-    """No stance phase of 2 … `at_least` − 1 columns (one column is g3's); phases cut off by an end are exempt."""
+class StancePair(PhaseLength):
+    """No stance phase of 2 … `at_least` − 1 columns; one column is g3's."""
 
     key: ClassVar[str] = "g4"
     title: ClassVar[str] = "no stance phase of two columns"
     equation: ClassVar[str] = "−C_ij + C_i,j+1 + C_i,j+2 − C_i,j+3 ≤ 1  ∀ i, j"
     relief: ClassVar[str] = "allow shorter stance phases (g4.at_least)"
+    stance: ClassVar[bool] = True
+    shortest: ClassVar[int] = 2
 
     at_least: int = 3
     """[columns]"""
-
-    def __post_init__(self) -> None:
-        require_at_least(self.key, "at_least", self.at_least, 2)
-
-    def rules(self, problem: FootfallProblem) -> tuple[LimbRule, ...]:
-        too_short = tuple(range(2, self.at_least))
-        walking = rows_of(problem, problem.locomotive_anywhere)
-        return tuple(LimbRule(i, forbidden_stance_runs=too_short) for i in walking)
-
-    def violations(self, contact: Contact, problem: FootfallProblem) -> list[Violation]:
-        found = []
-        for i in rows_of(problem, problem.locomotive_anywhere):
-            for run in runs_of(contact[i], problem.cyclic):
-                if run.whole and run.stance and 2 <= run.length < self.at_least:
-                    text = f"{problem.limbs[i]} stands for {run.length} of at least {self.at_least} columns"
-                    found.append(self.violation(problem, [i], run.columns(problem.columns), text))
-        return found

@@ -51,6 +51,8 @@ class Placement:
     """(2,) how far the body is from its place over the feet in the nominal stance [m]"""
     margin: float
     """[m] worst margin of the pattern it was made for"""
+    posture: dict[str, list[float]]
+    """limb that walks → its joints [rad] in that posture"""
     path: Array | None = None
     """(m + 1, 2) centre of mass at t_j over a body that sways [m]; None where it stays"""
 
@@ -188,9 +190,9 @@ def placed_pattern(
     """A pattern with the least Σ y over placed footholds; of a swaying body the tie with the largest margin.
 
     δ of g11 is the largest of its margins that holds; a smaller one than asked for stands in `relaxed`.
-    `info` gets delta_m, support_margin_m, body_shift_m, footholds_m, center_of_mass_m and, where the body
-    sways, sway_m.  Raises InfeasibleFootfall (of g1–g10 where these clash already, else naming g11) and
-    UnsolvedError.
+    `info` gets delta_m, support_margin_m, body_shift_m, footholds_m, center_of_mass_m and posture_rad (limb →
+    joints) or, where the body sways, sway_m.  Raises InfeasibleFootfall (of g1–g10 where these clash already,
+    else naming g11) and UnsolvedError.
     """
     ready = prepared(robot, problem, families, options)
     if ready.placement is not None or ready.asked is None:
@@ -242,7 +244,9 @@ def _reported(
     if delta is None or delta < asked:
         held = margin if delta is None else delta
         notes.append(f"g11: margin of {1000 * held:.3g} mm instead of {1000 * asked:g} mm")
-    if placement.path is not None:
+    if placement.path is None:
+        info["posture_rad"] = placement.posture
+    else:
         info["sway_m"] = placement.path.tolist()
         sway = 1000 * float(np.ptp(placement.path, axis=0).max())
         notes.append(f"g11: the body sways by {sway:.0f} mm instead of staying over one point")
@@ -331,15 +335,20 @@ def _settled(
     for part in (1.0, 0.9, 0.7, 0.4, 0.0):
         offsets, shifts = part * stance.offsets, part * stance.shifts
         here = [reach.center_of_mass_at(offsets - shift) for shift in shifts]
-        still = reach.center_of_mass_at(offsets)
+        still, joints = reach.center_of_mass_at(offsets), reach.posture(offsets)
         centers = np.array([c + s for c, s in zip(here, shifts, strict=True) if c is not None])
-        if still is None or len(centers) < len(shifts):
+        if still is None or joints is None or len(centers) < len(shifts):
             continue
         feet = reach.footholds + offsets
         path = _path(times, centers, period) if len(times) else None
         shift = -offsets[list(reach.walking)].mean(axis=0)
-        return Placement(feet, still, shift, margin_of(cases, feet, centers), path)
+        return Placement(feet, still, shift, margin_of(cases, feet, centers), _by_limb(reach, joints), path)
     return None
+
+
+def _by_limb(reach: Reach, joints: Array) -> dict[str, list[float]]:
+    limbs = [reach.robot.limbs[i] for i in reach.walking]
+    return {limb.name: joints[reach.robot.joint_indices(limb)].tolist() for limb in limbs}
 
 
 def _path(times: Sequence[int], centers: Array, period: int | None) -> Array:

@@ -13,12 +13,12 @@ import numpy as np
 from gaitforge.errors import InputError, Problem
 from gaitforge.footfall.constraints.base import require_at_least
 from gaitforge.footfall.program import Program
-from gaitforge.footfall.solvers.base import Listing, Solution, Status
-from gaitforge.footfall.solvers.cuts import listing_by_cuts
+from gaitforge.footfall.solvers.base import Solution, Status
+from gaitforge.footfall.solvers.cuts import OneAtATime
 
 
 @dataclass(frozen=True)
-class Gurobi:
+class Gurobi(OneAtATime):
     """Gurobi through gurobipy, which a user installs; its pip licence takes up to 2000 variables and rows."""
 
     name: ClassVar[str] = "gurobi"
@@ -28,23 +28,6 @@ class Gurobi:
 
     def __post_init__(self) -> None:
         require_at_least("footfall/solver", "threads", self.threads, 1)
-
-    def minimize(self, program: Program, time_limit_s: float, seed: int) -> Solution:
-        """The pattern with the least Σ y; interrupted, or out of time, the best one so far with its bound."""
-        return self._search(program, time_limit_s, seed, minimize=True)
-
-    def is_feasible(self, program: Program, time_limit_s: float, seed: int) -> bool | None:
-        """Whether the program has a solution; None when time ran out before a proof."""
-        status = self._search(program, time_limit_s, seed, minimize=False).status
-        return {"optimal": True, "feasible": True, "infeasible": False, "unknown": None}[status]
-
-    def listing(self, program: Program, *, most_changes: int, limit: int, time_limit_s: float, seed: int) -> Listing:
-        """Up to `limit` distinct patterns with Σ y ≤ `most_changes`, one search for each."""
-
-        def search(left: Program, seconds: float) -> Solution:
-            return self._search(left, seconds, seed, minimize=False)
-
-        return listing_by_cuts(program, search, most_changes, limit, time_limit_s)
 
     def _search(self, program: Program, time_limit_s: float, seed: int, minimize: bool) -> Solution:
         gurobi = _gurobipy()

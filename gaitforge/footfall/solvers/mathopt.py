@@ -14,8 +14,8 @@ import numpy as np
 
 from gaitforge.errors import InputError, Problem, UnsolvedError
 from gaitforge.footfall.program import Program
-from gaitforge.footfall.solvers.base import Listing, Solution, Status
-from gaitforge.footfall.solvers.cuts import listing_by_cuts
+from gaitforge.footfall.solvers.base import Solution, Status
+from gaitforge.footfall.solvers.cuts import OneAtATime
 from gaitforge.footfall.solvers.interrupt import Interruptible
 
 BACKENDS = ("highs", "scip")
@@ -24,7 +24,7 @@ FIRST_TRY = 2.0
 
 
 @dataclass(frozen=True)
-class MathOpt:
+class MathOpt(OneAtATime):
     """A mixed-integer solver that comes with OR-Tools; one thread.
 
     Neither can be stopped from outside, so a long search is cut into tries of growing length: on Ctrl-C
@@ -42,23 +42,6 @@ class MathOpt:
     def name(self) -> str:
         """For summaries."""
         return self.backend
-
-    def minimize(self, program: Program, time_limit_s: float, seed: int) -> Solution:
-        """The pattern with the least Σ y; interrupted, or out of time, the best one so far with its bound."""
-        return self._search(program, time_limit_s, seed, minimize=True)
-
-    def is_feasible(self, program: Program, time_limit_s: float, seed: int) -> bool | None:
-        """Whether the program has a solution; None when time ran out before a proof."""
-        status = self._search(program, time_limit_s, seed, minimize=False).status
-        return {"optimal": True, "feasible": True, "infeasible": False, "unknown": None}[status]
-
-    def listing(self, program: Program, *, most_changes: int, limit: int, time_limit_s: float, seed: int) -> Listing:
-        """Up to `limit` distinct patterns with Σ y ≤ `most_changes`, one search for each."""
-
-        def search(left: Program, seconds: float) -> Solution:
-            return self._search(left, seconds, seed, minimize=False)
-
-        return listing_by_cuts(program, search, most_changes, limit, time_limit_s)
 
     def _search(self, program: Program, time_limit_s: float, seed: int, minimize: bool) -> Solution:
         start = time.perf_counter()
