@@ -13,7 +13,6 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.rotate import rotated
-from gaitforge.motion.solvers.structured import Structured
 from gaitforge.pipeline.segment import Attempt, exhausted
 from gaitforge.pipeline.tries import Try, attempt, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
@@ -55,10 +54,9 @@ def recover(
 
     `leave`: the column of the gait's cycle at which it is left (the transition is planned for a gait begun
     there, `rotated`).  `roles`: what lost limbs do, by default they are `Held`: the transition lifts them (one that
-    is locked cannot be, see ``task=limb_failure``).  `policy`: *first* takes the first pattern that has a plan, the running gait
-    without the limbs if it will do; *best* plans the patterns of the cascade and takes the cheapest.  `speed`
-    [m/s], None: that of `gait`; `footfall`: keyword arguments of the pattern synthesis; `options` None: the
-    defaults with the structured solver.
+    is locked cannot be, see ``task=limb_failure``).  `policy`: *first* takes the first pattern that has a plan, the
+    running gait without the limbs if it will do; *best* plans the patterns of the cascade and takes the cheapest.
+    `speed` [m/s], None: that of `gait`; `footfall`: keyword arguments of the pattern synthesis.
     Both plans are checked densely, as `plan_gait` and `plan_transition` do.  Raises InputError for limbs that do not
     exist or do not walk, `InfeasibleFootfall` with a proof, `UnsolvedError` when no pattern had a plan.
     """
@@ -94,7 +92,7 @@ class _Search:
     ) -> None:  # fmt: skip
         self.robot, self.before, self.lost, self.policy = robot, before, lost, policy
         self.footfall = footfall
-        self.options = unexplained(options or MotionOptions(solver=Structured()))
+        self.options = unexplained(options)
         self.left: list[Attempt] = []
         self.seconds: dict[str, float] = {}
 
