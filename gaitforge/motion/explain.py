@@ -14,6 +14,7 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.motion.constraints.joint_speed import JointSpeed
 from gaitforge.motion.elastic import Violation, least_violation
 from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment, step_height
 from gaitforge.motion.solvers.structured import Structured
 from gaitforge.motion.trajectory import Discretisation
@@ -22,8 +23,8 @@ MOST = 6
 """Causes that are told"""
 PROBE = Structured(max_iterations=40, patience=12, fallback=None)
 """The solver of what is tried: an answer soon, or none"""
-MEAN = 0.85
-"""The mean over an interval, as a share of the largest speed in it"""
+PROBE_TURNS = 3
+"""Refinements of what is probed"""
 SPEEDS = (0.75, 0.5, 0.25)
 
 
@@ -72,7 +73,7 @@ def explain(segment: Segment, options: MotionOptions, shares: Mapping[int, float
     problem, _ = segment.build(asked, speeds)
     _, violations = least_violation(problem)
     causes = _causes(segment, violations)
-    probed = list(_probed(segment, replace(asked, solver=PROBE)))
+    probed = list(_probed(segment, asked))
     helped = [what for what, works in probed if works]
     return {
         "segment": segment.name,
@@ -155,13 +156,17 @@ def _foot(segment: Segment, name: str, sample: int | None, violation: Violation)
 
 
 def _probed(segment: Segment, options: MotionOptions) -> Iterator[tuple[str, bool]]:
-    """(what was changed, whether the problem is solved then): slower until it is, lower steps, more time."""
+    """(what was changed, whether there is a checked plan then): slower until there is, lower steps, more time."""
     grid, command = segment.grid, segment.grid.command
-    speeds = JointSpeed(MEAN * options.speed_share)
+    shares = (options.stability_share,)
+    quick = replace(options, solver=PROBE, stability_shares=shares, explain=False, refinements=PROBE_TURNS)
 
     def solved(changed: Discretisation) -> bool:
-        problem, _ = replace(segment, grid=changed).build(options, [speeds])
-        return options.solver.solve(problem).solved
+        try:
+            solve_refined(replace(segment, grid=changed), quick)
+        except UnsolvedError:
+            return False
+        return True
 
     if segment.kind == "gait" and (command.speed or command.yaw_rate):
         for share in SPEEDS:

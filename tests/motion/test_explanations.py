@@ -74,9 +74,12 @@ def test_a_centre_of_pressure_that_no_pattern_holds_is_said_of_balance(hexapod: 
     with pytest.raises(UnsolvedError) as caught:
         gf.plan_gait(hexapod, pattern, options=BRIEF)
     explain = caught.value.explain
-    assert explain["families"][0] == "balance"
-    assert set(explain["causes"][0]["limb"].split("+")) <= {"L1", "L2", "L3"}
-    assert "centre of pressure" in explain["text"]
+    cause = next(c for c in explain["causes"] if c["family"] == "balance")
+    assert set(cause["limb"].split("+")) <= {"L1", "L2", "L3"}
+    assert cause["by"] > 0.01
+    assert "centre of pressure" in cause["text"]
+    assert 1.0 <= cause["time_s"] <= 2.0  # while the right feet are in the air
+    assert not any(p["has_a_plan"] for p in explain["probed"])
 
 
 def test_every_cause_stands_in_the_message_and_goes_into_json(hexapod: RobotModel) -> None:
