@@ -27,6 +27,8 @@ class ChangeJob:
     method: Literal["optimise", "interpolate"]
     cycles: tuple[int, int] = (2, 2)
     """Of the gaits before and after."""
+    phases: Literal["seam", "paper", "best"] = "best"
+    """Where in their cycles an optimised transition joins the gaits"""
     published_m_s: float | None = None
     """Speed that the literature gives for this transition [m/s]"""
     plans: tuple[PlannedGait | Exception, PlannedGait | Exception] | None = None
@@ -75,7 +77,8 @@ class ChangeJob:
             if isinstance(plan, Exception):
                 raise plan
         old, new = (plan for plan in self.plans if isinstance(plan, PlannedGait))
-        robot, options = robot_called(self.before.robot), replace(tools.options, transition=self.method)
+        search = replace(tools.options.search, transition_phases=self.phases)
+        robot, options = robot_called(self.before.robot), replace(tools.options, transition=self.method, search=search)
         change = plan_change(robot, old.plan, new.plan, options, Stopwatch())
         met = meeting(old.plan, new.plan, change.plan.pattern, options)
         old, new = (begun_at(robot, planned, plan, options) for planned, plan in zip((old, new), met, strict=True))

@@ -20,6 +20,7 @@ def change_row(verdict: Verdict, change: Segment) -> dict[str, Any]:
     plan, speed = change.plan, verdict.speeds[index]
     here = {c.name: c for c in verdict.checks if c.segment == plan.name}
     commanded = mean_command(entries[index - 1].plan.command, entries[index + 1].plan.command).speed
+    gaits = {e.plan.name for e in entries if e.plan.kind == "gait"}
     fallen = [c for c in verdict.checks if c.name == "fallen"]
     return {
         "status": "verified" if verdict.passed else "unverified",
@@ -32,6 +33,9 @@ def change_row(verdict: Verdict, change: Segment) -> dict[str, Any]:
         "tilt_deg": _value(here, "tilt"),
         "tilt_worst_deg": max(c.value for c in fallen),
         "margin_m": _metres(here, "static_margin"),
+        "gait_margin_m": min(
+            c.value / 1000.0 for c in verdict.checks if c.name == "static_margin" and c.segment in gaits
+        ),
         "slip_m": _metres(here, "slip"),
         "unplanned": int(_value(here, "unplanned_contact") or 0),
         "failed": [f"{c.segment}: {c.name} {c.value:.3g} {c.unit}" for c in verdict.failed],

@@ -23,7 +23,8 @@ COLUMNS = (
     Column("simulator", "simulator"), Column("published_m_s", "paper [cm/s]", 100.0),
     Column("speed_m_s", "speed [cm/s]", 100.0), Column("speed_share", "of commanded [%]", 100.0, 1),
     Column("heading_deg", "heading [°]"), Column("tilt_deg", "tilt [°]"), Column("margin_m", "margin [mm]", 1e3, 1),
-    Column("slip_m", "slip [mm]", 1e3, 1), Column("fallen", "fallen"), Column("verified", "verified"),
+    Column("slip_m", "slip [mm]", 1e3, 1), Column("gait_margin_m", "gaits' margin [mm]", 1e3, 1),
+    Column("fallen", "fallen"), Column("verified", "verified"),
     Column("columns", "columns"), Column("duration_s", "time [s]"), Column("plan_s", "planned in [s]", 1.0, 1),
 )  # fmt: skip
 
@@ -37,6 +38,8 @@ class Pairs(Experiment):
     methods: tuple[Method, ...] = ("interpolate", "optimise")
     cycles: tuple[int, int] = (2, 2)
     """Of the gaits before and after."""
+    phases: Literal["seam", "paper", "best"] = "best"
+    """Where in their cycles an optimised transition joins the gaits (``pipeline.transition_phases``)."""
     published: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """``before_to_after`` → method → speed of the literature [m/s]"""
 
@@ -64,7 +67,7 @@ class Pairs(Experiment):
 
     def _job(self, before: GaitCase, after: GaitCase, method: Method) -> ChangeJob:
         known = self.published.get(f"{before.phase.name}_to_{after.phase.name}", {})
-        return ChangeJob(before, after, method, self.cycles, known.get(method))
+        return ChangeJob(before, after, method, self.cycles, self.phases, known.get(method))
 
     def made_of(self) -> Mapping[str, str]:
         return {name: hashlib.sha256(robot_called(name).urdf.encode()).hexdigest() for name in self.robots}

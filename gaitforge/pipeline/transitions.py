@@ -67,10 +67,11 @@ def meeting(
     """Both gaits begun where the transition leaves the one and enters the other (their own seams, but for *best*)."""
     from gaitforge.motion.rotate import rotated
 
-    if options.search.transition_phases != "best":
-        return before, after
     info = transition.info
-    return rotated(before, info["from_column"]), rotated(after, info["to_column"] + 1)
+    if options.search.transition_phases != "best" or "from_column" not in info:
+        return before, after
+    left = rotated(before, info["from_column"]) if before.kind == "gait" else before
+    return left, rotated(after, info["to_column"] + 1)
 
 
 def _tries(
@@ -100,15 +101,21 @@ def _patterns(
     watch: Stopwatch, attempts: list[Attempt], refusals: list[InfeasibleFootfall], leave: int | None,
 ) -> tuple[FootfallPattern, ...]:  # fmt: skip
     from gaitforge.footfall.synthesis import transition_pattern_candidates
+    from gaitforge.pipeline.seams import meetings
 
     begin = time.perf_counter()
+    search = options.search
+    limit, slack = search.transition_candidates, search.transition_slack
     try:
         with watch.stage("footfall"):
-            found = transition_pattern_candidates(
-                robot, before.pattern, after.pattern, columns=columns, limit=options.search.transition_candidates,
-                from_column=leave, slack=options.search.transition_slack,
-                phases=options.search.transition_phases, **options.footfall,
-            )  # fmt: skip
+            if search.transition_phases == "best":
+                column_s = robot.nominal.transition_column_s
+                found = meetings(robot, before, after, columns, column_s, limit, slack, options.footfall, leave)
+            else:
+                found = transition_pattern_candidates(
+                    robot, before.pattern, after.pattern, columns=columns, limit=limit, from_column=leave, slack=slack,
+                    phases=search.transition_phases, **options.footfall,
+                )  # fmt: skip
     except (InfeasibleFootfall, UnsolvedError) as error:
         attempts.append(Attempt(f"pattern of {columns} columns", str(error), time.perf_counter() - begin))
         if isinstance(error, InfeasibleFootfall):

@@ -55,7 +55,8 @@ def test_every_task_is_read_from_the_composed_config(task: str) -> None:
     read = load_task(plain(node.task), task, robot=load_robot(robot))
     source = yaml.safe_load((CONF / "task" / f"{task}.yaml").read_text())
     assert [p.name for p in read.phases] == [p["name"] for p in source["phases"]]
-    assert [p.cycles for p in read.phases] == [p["cycles"] for p in source["phases"]]
+    given = {p["name"]: p["cycles"] for p in source["phases"] if "cycles" in p}
+    assert {p.name: p.cycles for p in read.phases if p.name in given} == given
 
 
 def test_the_command_line_reaches_a_phase_that_its_file_says_nothing_about() -> None:
