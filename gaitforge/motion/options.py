@@ -9,8 +9,8 @@ from typing import TypeVar
 from gaitforge.motion.constraints import default_constraints
 from gaitforge.motion.costs import default_costs
 from gaitforge.motion.family import Family
-from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import MotionSolver
+from gaitforge.motion.solvers.structured import Structured
 
 F = TypeVar("F", bound=Family)
 
@@ -54,9 +54,11 @@ class MotionOptions:
     """Constraint families, in any order; refinement adds joint speeds and clearances."""
     costs: tuple[Family, ...] = field(default_factory=default_costs)
     """Cost families."""
+    explain: bool = True
+    """Whether the least violated point is looked for when there is no plan: some seconds, for an answer to why."""
     table: bool = False
     """Whether reports say what the problem consists of (`motion.table`)."""
-    solver: MotionSolver = field(default_factory=Ipopt)
+    solver: MotionSolver = field(default_factory=Structured)
 
     def __post_init__(self) -> None:
         for key in ("constraints", "costs"):
