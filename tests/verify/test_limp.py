@@ -124,8 +124,7 @@ def test_a_limb_hangs_as_low_as_no_other_posture_nearby(hexapod: RobotModel, hei
     com, foot = lowness(found)
     assert foot > -1e-6
     near = np.linspace(-0.15, 0.15, 31)
-    others = [
-        lowness(np.clip(found + [0.0, a, b], hexapod.lower[rows], hexapod.upper[rows])) for a in near for b in near
-    ]
+    around = [found + np.array([0.0, a, b]) for a in near for b in near]
+    others = [lowness(np.clip(q, hexapod.lower[rows], hexapod.upper[rows])) for q in around]
     assert com <= min(c for c, f in others if f >= 0.0) + 1e-5
     assert com < lowness(start)[0] - 0.005, "it has fallen"
