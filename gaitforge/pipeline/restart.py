@@ -18,7 +18,7 @@ from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stands import plan_stand
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import plan_change
-from gaitforge.pipeline.tries import Try, Workers, attempt
+from gaitforge.pipeline.tries import Try, Workers, attempt, unexplained
 
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)
@@ -69,7 +69,7 @@ def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iter
         column_s = now.robot.nominal.transition_column_s * stretch
         for pattern in _patterns(now, stand, start):
             steps = " ".join(pattern.info["order"])
-            named = {"pattern": pattern, "column_s": column_s, "name": name, "options": options.motion}
+            named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options.motion)}
             yield Try(f"steps {steps}, {column_s:.3f} s a column", "transition", now.robot, (stand, start), named)
 
 
