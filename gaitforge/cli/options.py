@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from omegaconf import DictConfig
@@ -18,14 +18,16 @@ def options(node: DictConfig, allow: Sequence[str]) -> Options:
     """Build simulator, limits, motion, footfall and record options; `InputError` for the first that is wrong."""
     from gaitforge.motion.options import MotionOptions
     from gaitforge.record.recorder import McapRecorder
+    from gaitforge.verify.both import Both
     from gaitforge.verify.simulator import Simulator
 
     whole = plain(node)
+    simulators: tuple[Callable[..., Simulator | Both], ...] = (Simulator, Both)
     motion = dict(whole["motion"])
     transition = motion.pop("transition")
     motion["constraints"], motion["costs"] = (_families(motion, group, allow) for group in ("constraints", "costs"))
     return Options(
-        simulator=build(whole["verify"], Simulator, key="verify", allow=allow),
+        simulator=build(whole["verify"], simulators, key="verify", allow=allow),
         recorder=build(whole["record"], McapRecorder, key="record", allow=allow),
         motion=build(motion, MotionOptions, key="motion", allow=allow),
         transition=transition["method"],

@@ -20,8 +20,17 @@ def plain(node: Any) -> Any:
     return OmegaConf.to_container(node, resolve=True) if isinstance(node, DictConfig | ListConfig) else node
 
 
-def build(node: Any, base: Callable[..., T], *, key: str = "", file: str = "config", allow: Iterable[str] = ()) -> T:
-    """The object that `node` describes by ``_target_`` and its parameters; it must be a `base` (class or protocol).
+def build(
+    node: Any,
+    base: Callable[..., T] | tuple[Callable[..., T], ...],
+    *,
+    key: str = "",
+    file: str = "config",
+    allow: Iterable[str] = (),
+) -> T:
+    """The object that `node` describes by ``_target_`` and its parameters.
+
+    It must be a `base`: a class or a protocol, or one of several.
 
     Only classes that are defined in gaitforge, or in a package named in `allow` (which comes from the
     command line, never from a file), are made: a dotted path that leads elsewhere is refused, even if
@@ -29,9 +38,10 @@ def build(node: Any, base: Callable[..., T], *, key: str = "", file: str = "conf
     """
     packages = ("gaitforge", *allow)
     made = _make(plain(node), key, file, packages)
-    if not _is_a(made, base):
-        found = type(made).__name__
-        raise InputError(Problem(file, _join(key, "_target_"), found, f"a {getattr(base, '__name__', base)}"))
+    bases = base if isinstance(base, tuple) else (base,)
+    if not any(_is_a(made, each) for each in bases):
+        expected = " or ".join(f"a {getattr(each, '__name__', each)}" for each in bases)
+        raise InputError(Problem(file, _join(key, "_target_"), type(made).__name__, expected))
     return cast(T, made)
 
 

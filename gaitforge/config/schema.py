@@ -84,6 +84,7 @@ class PhaseConf:
     ready_above: float | None = None
     crouch: float | None = None
     onto: str | None = None
+    failure: Any = None
 
 
 @dataclass
@@ -105,6 +106,9 @@ class TaskConf:
     duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
+    limbs: list[str] | None = None
+    mode: str | None = None
+    at: float | None = None
 
 
 @dataclass

@@ -22,7 +22,7 @@ from gaitforge.motion.stance import Posture, commanded_stance
 from gaitforge.motion.trajectory import Discretisation, Guess, planar_motion
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.payload import Load
-from gaitforge.task.roles import Held, Role, Tool
+from gaitforge.task.roles import Failed, Held, Role, Tool
 
 Array = NDArray[np.float64]
 
@@ -129,7 +129,7 @@ def resting_joints(
         rows = robot.joint_indices(limb)
         role = roles.get(limb.name)
         joints[rows] = robot.nominal.held_posture[rows]
-        if isinstance(role, Held) and role.posture is not None:
+        if isinstance(role, Held | Failed) and role.posture is not None:
             joints[rows] = role.posture
         if limb.name in postures:
             joints[rows] = postures[limb.name]

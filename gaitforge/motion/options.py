@@ -9,8 +9,8 @@ from typing import TypeVar
 from gaitforge.motion.constraints import default_constraints
 from gaitforge.motion.costs import default_costs
 from gaitforge.motion.family import Family
-from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import MotionSolver
+from gaitforge.motion.solvers.structured import Structured
 
 F = TypeVar("F", bound=Family)
 
@@ -56,7 +56,7 @@ class MotionOptions:
     """Cost families."""
     table: bool = False
     """Whether reports say what the problem consists of (`motion.table`)."""
-    solver: MotionSolver = field(default_factory=Ipopt)
+    solver: MotionSolver = field(default_factory=Structured)
 
     def __post_init__(self) -> None:
         for key in ("constraints", "costs"):

@@ -15,7 +15,7 @@ from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
-from gaitforge.motion.state import gait_state
+from gaitforge.motion.state import end_state, gait_state
 from gaitforge.motion.trajectory import Boundary, Discretisation, Guess, planar_motion
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Role
@@ -38,6 +38,8 @@ def plan_transition(
 ) -> MotionPlan:
     """A motion plan that leaves gait `before` at the end of a cycle and enters gait `after` at its start.
 
+    `before` may be a stand too, which is left from where it ends.
+
     Joint positions and velocities are continuous at both ends by construction (the spline is clamped
     to the gaits' end velocities); the body covers at least the `progress` family's share of the mean
     commanded travel.  `pattern`: the transition's C (synthesised when None), `column_s` [s] its time
@@ -58,7 +60,7 @@ def plan_transition(
     seconds = pattern.columns * (robot.nominal.transition_column_s if column_s is None else column_s)
     command = mean_command(before.command, after.command)
     travel = planar_motion(command, seconds)
-    start = gait_state(robot, before)
+    start = gait_state(robot, before) if before.kind == "gait" else end_state(robot, before)
     end = gait_state(robot, after, yaw=float(travel[2]))
     grid = Discretisation(pattern, options.samples_per_column, seconds, command, start, end)
     moving = _moving(robot, pattern, start, end)

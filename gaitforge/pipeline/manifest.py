@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 PACKAGES = (
-    "hydra-core", "numpy", "scipy", "yourdfpy", "pin", "casadi", "ortools", "pybullet", "mcap", "matplotlib",
+    "hydra-core", "numpy", "scipy", "yourdfpy", "pin", "casadi", "ortools", "pybullet", "mujoco", "mcap", "matplotlib",
 )  # fmt: skip
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 

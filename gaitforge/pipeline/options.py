@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 if TYPE_CHECKING:
     from gaitforge.motion.options import MotionOptions
     from gaitforge.record.recorder import McapRecorder
+    from gaitforge.verify.both import Both
     from gaitforge.verify.checks import CheckLimits
     from gaitforge.verify.simulator import Simulator
 
@@ -52,7 +53,7 @@ class Search:
 class Options:
     """Everything that a run works with besides the robot and the task; None takes a stage's own defaults."""
 
-    simulator: Simulator
+    simulator: Simulator | Both
     recorder: McapRecorder
     limits: CheckLimits | None = None
     motion: MotionOptions | None = None

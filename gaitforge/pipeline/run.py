@@ -17,6 +17,7 @@ from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.report.summary import build_summary, segment_entry, write_summary
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Task
+from gaitforge.verify.agreement import opinions
 from gaitforge.verify.verdict import Verdict
 
 
@@ -107,6 +108,7 @@ def _finish(
             segments=_entries(segments, verdict),
             checks=verdict.checks if verdict else (),
             timings=watch.timings(),
+            opinions=opinions(verdict) if verdict else None,
             explain=getattr(error, "explain", None),
             error=_error_entry(error) if status == "error" else None,
         )

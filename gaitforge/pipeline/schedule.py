@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from math import cos, sin
 
+from gaitforge.errors import InfeasibleMotion, UnsolvedError
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.trajectory import planar_motion
+from gaitforge.pipeline.damage import Damage
+from gaitforge.pipeline.failures import at_speed, plan_failure, refuse_hopeless, stretches
 from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
 from gaitforge.pipeline.handling import carriage
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.restart import plan_restart
+from gaitforge.pipeline.segment import Attempt, Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import meeting, plan_change
 from gaitforge.pipeline.tries import Workers
@@ -27,15 +32,48 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
     """
     with watch.stage("motion"):
         load = carriage(robot, task)
-    laden, walk = load.robot, load.walk
+    walk = load.walk
+    refuse_hopeless(load.robot, walk, options)
+    now, ends = Damage(load.robot, options), list[MotionPlan]()
     with Workers(options.search.workers) as workers:
-        gaits = _plan_gaits(laden, walk, options, watch, done, workers)
-        changes = _plan_changes(laden, gaits, options, watch, workers)
-    start, stop = (
-        Segment(_stand(w, laden, g.plan, options, watch)) for w, g in (("start", gaits[0]), ("stop", gaits[-1]))
-    )
+        for span in stretches(walk):
+            gaits = _plan_stretch(now, walk, span, watch, done, workers)
+            ends += [gaits[0].plan, gaits[-1].plan]
+            failure = walk.phases[span[-1]].failure
+            if failure is not None:
+                now = plan_failure(now, gaits[-1].plan, failure, watch, done)
+                walk = now.applied(walk, span.stop)
+    start = _stand("start", load.robot, ends[0], options, watch)
+    stop = _stand("stop", now.robot, ends[-1], now.options, watch)
+    done[:] = load.around(robot, task.scene, [Segment(start), *done, Segment(stop)], watch)
+
+
+def _plan_stretch(
+    now: Damage, task: Task, span: range, watch: Stopwatch, done: list[Segment], workers: Workers
+) -> list[Segment]:
+    """The gaits of phases between which nothing fails; they and what joins them are added to `done`.
+
+    After a failure the others may be slower than they were told: what was tried before stands with the first gait.
+    """
+    before, begin = len(done), time.perf_counter()
+    left: list[Attempt] = []
+    for share in now.speeds:
+        del done[before:]
+        slower = at_speed(task, span, share, now.robot)
+        try:
+            gaits = _plan_gaits(now, slower, span, watch, done, workers)
+            changes = _plan_changes(now.robot, gaits, now.options, watch, workers)
+            into = plan_restart(now, gaits[0].plan, watch, workers)
+            break
+        except (UnsolvedError, InfeasibleMotion) as error:
+            if share == now.speeds[-1]:
+                raise
+            left.append(Attempt(f"{share:.0%} of the speed", str(error), time.perf_counter() - begin))
+            watch.progress("motion", f"{share:.0%} of the speed: left ({error})")
+    gaits[0] = replace(gaits[0], left=(*left, *gaits[0].left))
     between = [segment for pair in zip(gaits[1:], changes, strict=True) for segment in reversed(pair)]
-    done[:] = load.around(robot, task.scene, [start, gaits[0], *between, stop], watch)
+    done[before:] = [*into, gaits[0], *between]
+    return gaits
 
 
 def _plan_changes(
@@ -58,22 +96,26 @@ def _plan_changes(
 
 
 def _plan_gaits(
-    robot: RobotModel, task: Task, options: Options, watch: Stopwatch, done: list[Segment], workers: Workers
+    now: Damage, task: Task, span: range, watch: Stopwatch, done: list[Segment], workers: Workers
 ) -> list[Segment]:
     """The gaits in order; a phase that asks for the gait of the phase before it goes on with it."""
-    known: list[tuple[Phase, MotionPlan]] = []
-    for index, phase in enumerate(task.phases):
-        if index and _same_gait(robot, task, task.phases[index - 1], phase):
+    robot, before, known = now.robot, len(done), list[tuple[Phase, MotionPlan]]()
+    for index in span:
+        phase = task.phases[index]
+        if index > span[0] and _same_gait(robot, task, task.phases[index - 1], phase):
             done[-1] = replace(done[-1], cycles=done[-1].cycles + phase.cycles)
             continue
         again = next((plan for other, plan in known if _same_gait(robot, task, other, phase)), None)
         if again is None:
-            there, original = _middle(robot, task.phases, index), done[-1].plan.pattern if done else None
-            done.append(plan_phase(robot, phase, task.scene, options, watch, there, original, workers))
+            there, original = (
+                _middle(robot, task.phases, index),
+                done[-1].plan.pattern if done[before:] else now.pattern,
+            )
+            done.append(plan_phase(robot, phase, task.scene, now.options, watch, there, original, workers))
         else:
             done.append(Segment(replace(again, name=phase.name), phase.cycles))
         known.append((phase, done[-1].plan))
-    return list(done)
+    return done[before:]
 
 
 def _middle(robot: RobotModel, phases: Sequence[Phase], index: int) -> tuple[float, float, float]:

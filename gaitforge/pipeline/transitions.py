@@ -70,7 +70,8 @@ def meeting(
     info = transition.info
     if options.search.transition_phases != "best" or "from_column" not in info:
         return before, after
-    return rotated(before, info["from_column"]), rotated(after, info["to_column"] + 1)
+    left = rotated(before, info["from_column"]) if before.kind == "gait" else before
+    return left, rotated(after, info["to_column"] + 1)
 
 
 def _tries(

@@ -17,7 +17,7 @@ from gaitforge.motion.holding import Holding
 from gaitforge.motion.plan import Command, Stance
 from gaitforge.motion.timeline import Aim
 from gaitforge.robot.limbs import Foot, Limb, ToolMount
-from gaitforge.robot.model import Capsule, Nominal, RobotModel
+from gaitforge.robot.model import Box, Capsule, Nominal, RobotModel
 from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Carry, Failed, Held, Locomotive, Tool
 from gaitforge.task.scene import Scene, SceneObject
@@ -25,7 +25,7 @@ from gaitforge.task.scene import Scene, SceneObject
 CLASSES: dict[str, type] = {
     cls.__name__: cls
     for cls in (
-        *(Foot, Limb, ToolMount, Nominal, Capsule, RobotModel, Scene, SceneObject),
+        *(Foot, Limb, ToolMount, Nominal, Box, Capsule, RobotModel, Scene, SceneObject),
         *(Locomotive, Held, Failed, Tool, Carry, Command, Stance, Load, Holding, Aim),
     )
 }

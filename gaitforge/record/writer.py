@@ -75,7 +75,12 @@ def write_log(
         "plan.npz": archive_bytes(verdict.timeline),
         **(attachments or {}),
     }
-    record = {"version": __version__, "robot": robot.name, "simulator": verdict.simulator, "verdict": status(run)}
+    record = {
+        "version": __version__,
+        "robot": robot.name,
+        "simulator": " and ".join(verdict.simulators),
+        "verdict": status(run),
+    }
     found = channels(run)
     with replacing(path) as stream:
         _write(stream, found, record | dict(metadata or {}), files, start, compression)

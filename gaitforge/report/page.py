@@ -9,7 +9,7 @@ from html import escape
 from typing import Any
 
 from gaitforge.record.files import write_text
-from gaitforge.report.text import mark, number, problem_cells
+from gaitforge.report.text import mark, number, opinions_text, problem_cells
 
 STYLE = """
 :root { color-scheme: light; }
@@ -71,6 +71,7 @@ def write_report_html(
         _segments(summary["segments"]),
         _images("Speed", [(caption, png) for caption, png in speed if png]),
         _images("Footfall", [(caption, png) for caption, png in plots if png]),
+        _text("Second opinion", opinions_text(summary).splitlines()) if summary["opinions"] else "",
         _checks(summary["checks"]),
         _problems(summary["segments"]),
         _explain(summary),
@@ -125,7 +126,7 @@ def _segments(segments: Sequence[Mapping[str, Any]]) -> str:
 def _checks(checks: Sequence[Mapping[str, Any]]) -> str:
     if not checks:
         return ""
-    header = ("", "check", "segment", "#value", "#limit", "unit")
+    header = ("", "check", "segment", "#value", "#limit", "unit", "simulator")
     judged = [check for check in checks if check["limit"] is not None or not check["passed"]]
     reported = [check for check in checks if check["limit"] is None and check["passed"]]
     page = "<h2>Checks</h2>\n" + _table(header, [_check(c) for c in judged], [_class(c) for c in judged])
@@ -137,7 +138,8 @@ def _checks(checks: Sequence[Mapping[str, Any]]) -> str:
 
 def _check(check: Mapping[str, Any]) -> list[str]:
     cells = [_cell(mark(check)), _cell(check["name"].replace("_", " ")), _cell(check["segment"])]
-    return [*cells, _cell(number(check["value"]), True), _cell(number(check["limit"]), True), _cell(check["unit"])]
+    values = [_cell(number(check["value"]), True), _cell(number(check["limit"]), True), _cell(check["unit"])]
+    return [*cells, *values, _cell(check["simulator"])]
 
 
 def _class(check: Mapping[str, Any]) -> str:

@@ -28,6 +28,7 @@ def build_summary(
     segments: Sequence[Mapping[str, Any]] = (),
     checks: Iterable[Check] = (),
     timings: Mapping[str, float] | None = None,
+    opinions: Mapping[str, Any] | None = None,
     explain: Mapping[str, Any] | None = None,
     error: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
@@ -39,6 +40,8 @@ def build_summary(
         What `segment_entry` or `segment_entries` gave.
     timings
         [s] by stage; stages that were not reached are 0.
+    opinions
+        What `gaitforge.verify.agreement.opinions` gave.
     error
         `GaitforgeError.as_dict()` of what ended the run.
 
@@ -60,6 +63,7 @@ def build_summary(
         "segments": [dict(segment) for segment in segments],
         "checks": [check_entry(check) for check in checks],
         "timings_s": {stage: round(float((timings or {}).get(stage, 0.0)), 4) for stage in STAGES},
+        "opinions": dict(opinions) if opinions else None,
         "explain": dict(explain) if explain else None,
         "error": {key: error.get(key) for key in ERROR_KEYS} if error else None,
     }

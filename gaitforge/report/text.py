@@ -50,13 +50,40 @@ def segments_text(summary: Mapping[str, Any]) -> str:
 
 def checks_text(summary: Mapping[str, Any], *, failed_only: bool = False) -> str:
     """What was asked of the simulated run, and the answers."""
-    header = ("", "check", "segment", "value", "limit", "unit")
+    several = summary["opinions"] is not None
+    header = ("", "check", "segment", "value", "limit", "unit", *(["simulator"] if several else []))
     rows = [
-        (mark(check), check["name"], check["segment"], number(check["value"]), number(check["limit"]), check["unit"])
+        (
+            mark(check),
+            check["name"],
+            check["segment"],
+            number(check["value"]),
+            number(check["limit"]),
+            check["unit"],
+            *([check["simulator"]] if several else []),
+        )
         for check in summary["checks"]
         if not (failed_only and check["passed"])
     ]
     return table(header, rows)
+
+
+def opinions_text(summary: Mapping[str, Any]) -> str:
+    """What each simulator says, where they disagree, and by how much their speeds differ; empty when one was asked."""
+    said = summary["opinions"]
+    if said is None:
+        return ""
+    verdicts = ", ".join(f"{name} {'verifies' if passed else 'does not'}" for name, passed in said["passed"].items())
+    differing = max(said["speeds_m_s"], key=lambda s: s["difference"] or 0.0)
+    by = f"{100 * (differing['difference'] or 0.0):.3f} cm/s ({differing['segment']})"
+    lines = [f"{verdicts}; speeds differ by at most {by}; disagreements: {len(said['disagreements']) or 'none'}"]
+    for found in said["disagreements"]:
+        values = ", ".join(
+            f"{name} {number(value)} ({'holds' if found['passed'][name] else 'fails'})"
+            for name, value in found["values"].items()
+        )
+        lines.append(f"  {found['name']} of {found['segment']}: {values}")
+    return "\n".join(lines)
 
 
 def problem_text(rows: Sequence[Mapping[str, Any]]) -> str:

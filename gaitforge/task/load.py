@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from gaitforge.errors import InputError
 from gaitforge.task.commands import read_load, read_posture
+from gaitforge.task.failures import KEYS as FAILURE_KEYS
+from gaitforge.task.failures import check_failures, read_failure
 from gaitforge.task.load_handling import HANDLING, check_handling, handling_phase
 from gaitforge.task.phase import Phase, Task
 from gaitforge.task.reader import Reader
-from gaitforge.task.roles import Failed, Held, Locomotive, Role, Tool
+from gaitforge.task.roles import MODES, Failed, Held, Locomotive, Role, Tool
 from gaitforge.task.scene import Scene, SceneObject
 
 if TYPE_CHECKING:
@@ -35,7 +37,7 @@ def load_task(data: Mapping[str, Any], name: str, *, robot: RobotModel | None = 
     names the source in them.
     """
     reader = Reader(file or f"task {name}")
-    top = reader.mapping(data, "", ("phases", "scene", *COMMON))
+    top = reader.mapping(data, "", ("phases", "scene", *COMMON, *FAILURE_KEYS))
     scene = _scene(reader, top.get("scene"))
     phases = _phases(reader, top, scene, robot)
     if reader.problems:
@@ -77,26 +79,28 @@ def _phases(reader: Reader, top: Mapping[str, Any], scene: Scene, robot: RobotMo
     given = reader.listing(value, "phases")
     if not given and not reader.problems:
         reader.problem("phases", "none", "at least one phase")
-    common = {k: top[k] for k in COMMON if top.get(k) is not None}
+    common = {k: top[k] for k in (*COMMON, *FAILURE_KEYS) if top.get(k) is not None}
     phases = tuple(_phase(reader, p, f"phases.{i}", common, scene, robot) for i, p in enumerate(given))
     reader.unique([p.name for p in phases], "phases", "a phase of its own name")
     check_handling(reader, phases, scene, robot)
     for phase in phases:
         if phase.name in RESERVED:
             reader.problem("phases", repr(phase.name), "another name: stands are called " + " and ".join(RESERVED))
+    check_failures(reader, phases, robot)
     return phases
 
 
 def _phase(
     reader: Reader, value: Any, key: str, common: Mapping[str, Any], scene: Scene, robot: RobotModel | None
 ) -> Phase:
-    own = reader.mapping(value, key, ("name", "kind", "roles", *COMMON, *HANDLING))
+    own = reader.mapping(value, key, ("name", "kind", "roles", "failure", *COMMON, *HANDLING))
     if own.get("kind") in ("pick", "place"):
         return handling_phase(reader, own, key)
     for name in HANDLING:
         if own.get(name) is not None:
             reader.problem(f"{key}.{name}", repr(own[name]), "nothing: a phase that walks handles no object")
-    item = {**common, **{k: v for k, v in own.items() if v is not None}}
+    ours, failing = ({k: v for k, v in common.items() if k in keys} for keys in (COMMON, FAILURE_KEYS))
+    item = {**ours, **{k: v for k, v in own.items() if v is not None}}
 
     def where(name: str) -> str:
         return f"{key}.{name}" if own.get(name) is not None or name not in common else name
@@ -129,6 +133,7 @@ def _phase(
         if item.get("duration") == "auto"
         else number("duration", "a time > 0 [s], or auto", lambda x: x > 0),
         columns=count("columns", "a number of columns ≥ 1"),
+        failure=read_failure(reader, own.get("failure"), f"{key}.failure", failing, robot),
         loads=tuple(
             read_load(reader, value, f"{where('loads')}.{i}", robot)
             for i, value in enumerate(reader.listing(item.get("loads"), where("loads")))
@@ -189,7 +194,7 @@ def _check_limb(reader: Reader, role: Role, key: str, name: str, robot: RobotMod
     if isinstance(role, Tool) and robot.tool(limb.name) is None:
         carriers = ", ".join(f"{t.limb} ({t.name})" for t in robot.tools if t.kind == "camera") or "none has one"
         reader.problem(key, f"limb {limb.name} without a camera", f"a limb that carries a camera: {carriers}")
-    if isinstance(role, Held) and role.posture is not None and len(role.posture) != len(limb.joints):
+    if isinstance(role, Held | Failed) and role.posture is not None and len(role.posture) != len(limb.joints):
         expected = f"{len(limb.joints)} joint positions [rad]"
         reader.problem(f"{key}.posture", f"{len(role.posture)} values", expected)
     return limb.name
@@ -198,15 +203,19 @@ def _check_limb(reader: Reader, role: Role, key: str, name: str, robot: RobotMod
 def _role(reader: Reader, value: Any, key: str, scene: Scene) -> Role:
     item = {"role": value} if isinstance(value, str) else dict(reader.mapping(value, key))
     kind = reader.choice(item.pop("role", None), f"{key}.role", ("locomotive", "held", "failed", "tool"))
-    allowed = {"held": ("posture",), "tool": ("look_at", "frame")}.get(kind, ())
+    allowed = {"held": ("posture",), "failed": ("mode", "posture"), "tool": ("look_at", "frame")}.get(kind, ())
     item = dict(reader.mapping(item, key, allowed))
+    posture = item.get("posture")
+    if posture is not None:
+        posture = reader.numbers(posture, f"{key}.posture", "joint positions [rad]")
     if kind == "held":
-        posture = item.get("posture")
-        return Held(None if posture is None else reader.numbers(posture, f"{key}.posture", "joint positions [rad]"))
+        return Held(posture)
+    if kind == "failed":
+        return Failed(reader.choice(item.get("mode", "locked"), f"{key}.mode", MODES), posture)
     if kind == "tool":
         frame = reader.choice(item.get("frame", "world"), f"{key}.frame", ("world", "body"))
         return Tool(_target(reader, item.get("look_at"), f"{key}.look_at", scene), frame)
-    return Failed() if kind == "failed" else Locomotive()
+    return Locomotive()
 
 
 def _target(reader: Reader, value: Any, key: str, scene: Scene) -> tuple[float, float, float] | str:

@@ -8,8 +8,20 @@ from typing import Literal
 
 from gaitforge.robot.payload import Load
 from gaitforge.task.handling import Pick, Place
-from gaitforge.task.roles import Role
+from gaitforge.task.roles import Mode, Role
 from gaitforge.task.scene import Scene
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Limbs that fail all at once while a phase's gait is under way, and stay so."""
+
+    limbs: tuple[str, ...]
+    """Names of limbs, or of the tools they carry"""
+    mode: Mode = "locked"
+    at: float | None = None
+    """[-] share of a cycle that is over then, 0…1, counted from the end of the phase's own cycles; None: drawn
+    from the seed"""
 
 
 @dataclass(frozen=True)
@@ -48,6 +60,8 @@ class Phase:
     """[s] of one cycle; auto: the shortest that keeps joint speeds and torques below their bounds"""
     columns: int | None = None
     """m of the cyclic pattern"""
+    failure: Failure | None = None
+    """What ends the phase, in the middle of one more cycle"""
     loads: tuple[Load, ...] = ()
     """What the robot carries all through the phase."""
 

@@ -19,9 +19,20 @@ class Held:
     posture: tuple[float, ...] | None = None
 
 
+Mode = Literal["locked", "limp"]
+"""What a failed limb does: its joints are locked where they are, or turn freely but for their friction."""
+MODES: tuple[Mode, ...] = ("locked", "limp")
+
+
 @dataclass(frozen=True)
 class Failed:
-    """The limb is locked where it was when it failed."""
+    """The limb does what it is told no more.
+
+    `posture`: its joint positions [rad], where it is locked or how it hangs; None: the robot's held posture.
+    """
+
+    mode: Mode = "locked"
+    posture: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,15 @@ from gaitforge.motion.stand import plan_start, plan_stop
 from gaitforge.motion.timeline_build import build_timeline
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene, SceneObject
+from gaitforge.verify.both import Both
 from gaitforge.verify.checks import CheckLimits
+from gaitforge.verify.mujoco import MujocoSimulator
+from gaitforge.verify.pybullet import PyBulletSimulator
 from gaitforge.verify.simulator import Progress, Simulator
 from gaitforge.verify.verdict import Verdict
 from gaitforge.verify.verify import verify_timeline
 
-SIMULATORS = ("pybullet",)
+SIMULATORS = {"pybullet": PyBulletSimulator, "mujoco": MujocoSimulator, "both": Both}
 
 
 def verify(
@@ -26,7 +29,7 @@ def verify(
     segments: Sequence[tuple[MotionPlan, int]],
     *,
     scene: Scene | Sequence[SceneObject | Mapping[str, Any]] = (),
-    simulator: Literal["pybullet"] | Simulator = "pybullet",
+    simulator: Literal["pybullet", "mujoco", "both"] | Simulator | Both = "pybullet",
     limits: CheckLimits | None = None,
     stands: bool = True,
     progress: Progress | None = None,
@@ -35,9 +38,12 @@ def verify(
 
     A robot starts and stops standing: where the list does not begin or end with a stand, one is
     planned and added, unless `stands` is False.  `scene`: objects around the robot, as `SceneObject`
-    or as a mapping of its fields [m, rad].  Raises `InputError` for an empty list, an unknown
-    simulator or tool targets that the scene does not have, and `SimulationError` when the simulator
-    refuses the robot; a robot that falls is no error but a verdict.
+    or as a mapping of its fields [m, rad].  `simulator`: a name takes its default settings; with *both*
+    the robot passes when it does in each, and every check names its simulator.
+
+    Raises `InputError` for an empty list, an unknown simulator or tool targets that the scene does not
+    have, and `SimulationError` when the simulator refuses the robot; a robot that falls is no error
+    but a verdict.
     """
     if not segments:
         raise InputError(Problem("verify", "segments", "an empty list", "at least one (plan, cycles)"))
@@ -46,7 +52,7 @@ def verify(
     around = scene if isinstance(scene, Scene) else Scene(tuple(_scene_object(item) for item in scene))
     whole = _with_stands(robot, segments) if stands else segments
     timeline = build_timeline(robot, _named_apart(whole), around)
-    runner = None if isinstance(simulator, str) else simulator
+    runner = SIMULATORS[simulator]() if isinstance(simulator, str) else simulator
     return verify_timeline(robot, timeline, around, simulator=runner, limits=limits, progress=progress)
 
 

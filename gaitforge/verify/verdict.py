@@ -25,18 +25,27 @@ class Check:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """All checks of one run in one simulator."""
+    """All checks of a timeline in one simulator, or in several that were asked one after the other."""
 
     simulator: str
+    """Where the trace and the speeds come from."""
     checks: tuple[Check, ...]
+    """Those of the other simulators among them."""
     trace: Trace
     timeline: Timeline
     speeds: tuple[float, ...] = ()
     """Measured mean speed of each timeline entry [m/s]."""
+    others: tuple[Verdict, ...] = ()
+    """What the other simulators found on their own."""
+
+    @property
+    def simulators(self) -> tuple[str, ...]:
+        """All that were asked."""
+        return self.simulator, *(other.simulator for other in self.others)
 
     @property
     def passed(self) -> bool:
-        """Verified?"""
+        """Verified, by every simulator that was asked?"""
         return all(c.passed for c in self.checks)
 
     @property

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from gaitforge.motion.timeline import Timeline
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene
+from gaitforge.verify.both import Both
 from gaitforge.verify.checks import ALL, CheckLimits, Segment, SegmentCheck
 from gaitforge.verify.checks.travel import travel
 from gaitforge.verify.pybullet import PyBulletSimulator
@@ -19,20 +21,36 @@ def verify_timeline(
     robot: RobotModel,
     timeline: Timeline,
     scene: Scene | None = None,
-    simulator: Simulator | None = None,
+    simulator: Simulator | Both | None = None,
     limits: CheckLimits | None = None,
     progress: Progress | None = None,
 ) -> Verdict:
-    """Execute the timeline in a simulator (PyBullet by default) and judge it.
+    """Execute the timeline in a simulator (PyBullet by default), or in two, and judge it.
 
     What the robot carries in every segment alike is simulated as part of it; loads that come and go are
     bodies of the scene.  `progress` is called with the fraction done.  SimulationError when the simulator refuses the
     robot; a robot that falls is no error but a verdict.
     """
     robot = _laden(robot, timeline)
-    runner = simulator or PyBulletSimulator()
-    trace = runner.run(robot, timeline, scene or Scene(), progress)
-    return judge(robot, timeline, trace, runner.name, limits)
+    runners = simulator.simulators if isinstance(simulator, Both) else (simulator or PyBulletSimulator(),)
+    verdicts = []
+    for turn, runner in enumerate(runners):
+        trace = runner.run(robot, timeline, scene or Scene(), _share(progress, turn, len(runners)))
+        verdicts.append(judge(robot, timeline, trace, runner.name, limits))
+    return together(verdicts)
+
+
+def together(verdicts: Sequence[Verdict]) -> Verdict:
+    """One verdict of several about the same timeline: the first one's trace, everybody's checks."""
+    first, *others = verdicts
+    return replace(first, checks=tuple(c for v in verdicts for c in v.checks), others=tuple(others))
+
+
+def _share(progress: Progress | None, turn: int, turns: int) -> Progress | None:
+    """Progress of one of several runs as part of the whole."""
+    if progress is None:
+        return None
+    return lambda fraction: progress((turn + fraction) / turns)
 
 
 def _laden(robot: RobotModel, timeline: Timeline) -> RobotModel:

@@ -38,7 +38,7 @@ def test_there_are_two_lines_for_a_fresh_machine_and_ci_runs_the_second() -> Non
     fresh = [line for line in README.splitlines() if line.startswith("python3.11 -m venv")]
     assert len(fresh) == 2
     assert fresh[0].endswith("gaitforge robot=dodecapod task=camera_leg")
-    assert fresh[1].endswith("pytest")
+    assert fresh[1].endswith("pytest -n auto")
     pattern = re.search(r"grep -m1 -E '([^']+)' README.md", (REPOSITORY / ".ci" / "run").read_text())
     assert pattern is not None
     assert [line for line in README.splitlines() if re.match(pattern[1], line)] == [fresh[1]]

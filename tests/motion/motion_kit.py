@@ -18,11 +18,12 @@ from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.problem import Problem
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.solvers.ipopt import Ipopt
+from gaitforge.motion.solvers.structured import Structured
 from gaitforge.motion.trajectory import Boundary, Discretisation, Guess, Trajectory
 from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.model import RobotModel
 
-PATIENT = MotionOptions(solver=Ipopt(max_seconds=120.0))
+PATIENT = MotionOptions(solver=Structured(fallback=Ipopt(max_seconds=120.0)))
 """The default options, but a busy machine is no reason to give up."""
 TRIPOD = FootfallPattern.from_rows(
     {

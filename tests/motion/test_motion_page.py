@@ -73,9 +73,9 @@ def test_the_config_group_has_the_defaults_of_the_class() -> None:
     for group, names in (("constraints", chosen), ("costs", pulls)):
         options = families(group)
         node[group] = [{k: v for k, v in options[name].items() if k != "key"} for name in names]
-    built = build({**node, "solver": yaml.safe_load((GROUP / "solver" / "ipopt.yaml").read_text())}, MotionOptions)
+    built = build({**node, "solver": yaml.safe_load((GROUP / "solver" / "structured.yaml").read_text())}, MotionOptions)
     assert built == MotionOptions()
-    assert {"solver": "ipopt"} in listed
+    assert {"solver": "structured"} in listed
     settable = {f.name for f in fields(MotionOptions)} - {"solver", "stability_share"}
     assert settable == set(node) - {"_target_"}
     solver = yaml.safe_load((GROUP / "solver" / "ipopt.yaml").read_text(encoding="utf-8"))

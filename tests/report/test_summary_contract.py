@@ -14,6 +14,8 @@ import pytest
 
 from gaitforge.errors import InfeasibleFootfall, InputError, Problem
 from gaitforge.report.summary import build_summary, segment_entries, segment_entry, write_summary
+from gaitforge.report.text import checks_text, opinions_text
+from gaitforge.verify.agreement import opinions
 
 SCHEMA = json.loads((Path(__file__).parents[1] / "contracts" / "summary.schema.json").read_text())
 PAGE = Path(__file__).parents[2] / "docs" / "summary_json.md"
@@ -44,6 +46,20 @@ def test_a_finished_run_keeps_the_contract(verdict):
     assert summary["segments"][2]["relaxed"] == ["gap rule"]
     assert summary["checks"][0]["limit"] == 0.05
     assert summary["timings_s"]["verify"] == 0.0
+
+
+def test_the_opinions_of_two_simulators_keep_the_contract(verdict):
+    fails = [replace(c, simulator="mujoco", passed=False) for c in verdict.checks]
+    other = replace(verdict, simulator="mujoco", checks=tuple(fails))
+    both = replace(verdict, checks=verdict.checks + other.checks, others=(other,))
+    summary = check(finished(both, opinions=opinions(both)))
+    assert summary["opinions"]["passed"] == {"pybullet": False, "mujoco": False}
+    assert [d["name"] for d in summary["opinions"]["disagreements"]] == ["speed", "cost_of_transport"]
+    told = opinions_text(summary)
+    assert "pybullet does not, mujoco does not" in told
+    assert "speed of all: pybullet 0.0634 (holds), mujoco 0.0634 (fails)" in told
+    assert "simulator" in checks_text(summary).splitlines()[0]
+    assert opinions_text(finished(verdict)) == ""
 
 
 def test_a_verified_run_keeps_the_contract(verdict):

@@ -1,6 +1,7 @@
 """Pointing, line of sight and pictures of a camera on a limb."""
 
 import io
+from collections.abc import Callable
 
 import numpy as np
 import pinocchio
@@ -11,15 +12,17 @@ from walkers import HEIGHT, OPTICAL, posture, stand_plan, timeline_of, walker
 from gaitforge.motion.timeline import Aim, Timeline
 from gaitforge.robot.model import Capsule, RobotModel
 from gaitforge.task.scene import Scene, SceneObject
+from gaitforge.verify.mujoco import MujocoSimulator
 from gaitforge.verify.pictures import render
 from gaitforge.verify.pointing import pointing_angle
 from gaitforge.verify.pybullet import PyBulletSimulator
 from gaitforge.verify.pybullet.camera import focal_length
-from gaitforge.verify.pybullet.sight import clear_of_camera
+from gaitforge.verify.sight import clear_of_camera
 from gaitforge.verify.trace import Trace
 from gaitforge.verify.verdict import Verdict
 from gaitforge.verify.verify import verify_timeline
 
+Seen = Callable[..., Trace]
 ROBOT = walker(3, camera="R1")
 CAMERA = ROBOT.tools[0]
 BASE = np.array([0.0, 0.0, HEIGHT, 0.0, 0.0, 0.0])
@@ -34,8 +37,10 @@ def timeline(target: np.ndarray, start: float = 0.0, duration: float = 0.3, kind
     return timeline_of(ROBOT, (plan, 1), aims=(Aim("R1", "camera", target, start, duration),))
 
 
-def seen(target: np.ndarray, *objects: SceneObject) -> Trace:
-    return PyBulletSimulator().run(ROBOT, timeline(target), Scene(objects))
+@pytest.fixture(params=[PyBulletSimulator(), MujocoSimulator()], ids=["pybullet", "mujoco"])
+def seen(request: pytest.FixtureRequest) -> Seen:
+    """What a simulator's camera does when it is to look at a target among objects."""
+    return lambda target, *objects: request.param.run(ROBOT, timeline(target), Scene(objects))
 
 
 def test_the_pointing_angle_is_that_of_pinocchios_camera() -> None:
@@ -53,7 +58,7 @@ def test_the_pointing_angle_is_that_of_pinocchios_camera() -> None:
         assert pointing_angle(T, target)[0] == pytest.approx(expected, abs=1e-9)
 
 
-def test_a_camera_on_its_target_points_well_and_one_beside_it_does_not() -> None:
+def test_a_camera_on_its_target_points_well_and_one_beside_it_does_not(seen: Seen) -> None:
     aside = AHEAD + 1.5 * np.tan(np.radians(5.0)) * np.array([1.0, 0.0, 0.0])
     assert np.degrees(seen(AHEAD).pointing["camera"].max()) < 0.2
     assert np.degrees(seen(aside).pointing["camera"].max()) == pytest.approx(5.0, abs=0.3)
@@ -76,7 +81,7 @@ def test_before_the_aim_begins_there_is_no_angle() -> None:
     assert np.isfinite(angle[trace.times > 0.201]).all()
 
 
-def test_a_box_between_camera_and_target_blocks_the_sight() -> None:
+def test_a_box_between_camera_and_target_blocks_the_sight(seen: Seen) -> None:
     half_way = EYE + 0.7 * AXIS
     wall = SceneObject("wall", "box", tuple(half_way), size=(0.1, 0.1, 0.1))
     assert seen(AHEAD).sight["camera"].all()
@@ -84,12 +89,12 @@ def test_a_box_between_camera_and_target_blocks_the_sight() -> None:
     assert "line_of_sight" in {c.name for c in judged(AHEAD, wall).failed}
 
 
-def test_a_box_beside_the_line_does_not_block_it() -> None:
+def test_a_box_beside_the_line_does_not_block_it(seen: Seen) -> None:
     beside = EYE + 0.7 * AXIS + np.array([0.2, 0.0, 0.0])
     assert seen(AHEAD, SceneObject("wall", "box", tuple(beside), size=(0.1, 0.1, 0.1))).sight["camera"].all()
 
 
-def test_the_box_that_is_looked_at_does_not_block_the_sight_of_its_own_centre() -> None:
+def test_the_box_that_is_looked_at_does_not_block_the_sight_of_its_own_centre(seen: Seen) -> None:
     assert seen(AHEAD, SceneObject("target", "box", tuple(AHEAD), size=(0.2, 0.2, 0.2))).sight["camera"].all()
 
 
@@ -99,13 +104,13 @@ def pipe_towards(direction: np.ndarray) -> SceneObject:
     return SceneObject("pipe", "pipe", tuple(AHEAD), (0.0, 0.0, yaw), radius=0.1, length=0.5)
 
 
-def test_the_opening_of_a_pipe_is_seen_from_the_front_and_not_through_its_wall() -> None:
+def test_the_opening_of_a_pipe_is_seen_from_the_front_and_not_through_its_wall(seen: Seen) -> None:
     assert seen(AHEAD, pipe_towards(AXIS)).sight["camera"].all()
     behind = -AXIS + np.array([0.6, 0.0, 0.0])  # the body of the pipe comes slantwise towards the camera
     assert not seen(AHEAD, pipe_towards(behind)).sight["camera"].any()
 
 
-def test_another_limb_in_front_of_the_camera_blocks_the_sight() -> None:
+def test_another_limb_in_front_of_the_camera_blocks_the_sight(seen: Seen) -> None:
     foot = ROBOT.foot_positions(BASE, posture(3))[ROBOT.limb_names.index("L2")]
     through = foot + (foot - EYE) / np.linalg.norm(foot - EYE) * 0.5
     assert not seen(through).sight["camera"].any()
@@ -139,7 +144,7 @@ def test_the_camera_takes_pictures_of_what_is_ahead() -> None:
     assert np.ptp(changed[:, 1]) == pytest.approx(width, abs=3.0)
 
 
-def test_pictures_of_a_run_show_the_robot_and_have_the_asked_size() -> None:
+def test_pictures_of_a_run_show_the_robot_and_have_the_asked_size(seen: Seen) -> None:
     trace = seen(AHEAD)
     pictures = render(ROBOT, trace, Scene(), [0.0, 0.2], size=(160, 90))
     pixels = [np.asarray(Image.open(io.BytesIO(png))) for png in pictures]

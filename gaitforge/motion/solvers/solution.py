@@ -42,7 +42,7 @@ class Solution:
     """Per family the largest violation, where, and its unit."""
     multipliers: Multipliers | None = None
     timings: Mapping[str, float] = field(default_factory=dict)
-    """[s] where the time went, by what was done"""
+    """[s of processor] where the time went, by what was done"""
 
 
 Start = Array | Solution | None

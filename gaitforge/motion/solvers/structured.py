@@ -40,7 +40,7 @@ class Structured:
     def solve(self, problem: Problem, start: Start = None) -> Solution:
         """Solve from `start` (the problem's own guess when None)."""
         begin = time.perf_counter()
-        found = self._solve(problem, start, begin)
+        found = self._solve(problem, start)
         if found.solved or self.fallback is None:
             return found
         other = self.fallback.solve(problem, start)
@@ -51,10 +51,11 @@ class Structured:
             seconds=time.perf_counter() - begin,
         )
 
-    def _solve(self, problem: Problem, start: Start, begin: float) -> Solution:
+    def _solve(self, problem: Problem, start: Start) -> Solution:
+        begin, busy = time.perf_counter(), time.process_time()
         workspace = workspace_of(problem, self.native)
         structure = workspace.structure
-        prepared = time.perf_counter() - begin
+        prepared = time.process_time() - busy
         known = start.multipliers if isinstance(start, Solution) else None
         x = start.x if isinstance(start, Solution) else problem.x0 if start is None else start
         method = InteriorPoint(problem, workspace, self._rules())
@@ -62,19 +63,19 @@ class Structured:
         full = problem.bounds[0].copy()  # constants stand at their bounds
         full[structure.free] = point.x
         worst = problem.violations(full, workspace.evaluation.rows)
-        seconds = time.perf_counter() - begin
         timings = {"structure": prepared, **method.timings}
+        rest = time.process_time() - busy - sum(timings.values())
         return Solution(
             full,
             status == "solved",
             status,
             method.iterations,
-            seconds,
+            time.perf_counter() - begin,
             workspace.evaluation.cost,
             float(max((v[0] for v in worst.values()), default=0.0)),
             worst,
             method.multipliers(point),
-            {**timings, "rest": seconds - sum(timings.values())},
+            {**timings, "rest": rest},
         )
 
     def _rules(self) -> Rules:

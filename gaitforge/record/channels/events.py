@@ -23,6 +23,7 @@ REPORT = {
             "value": text("what was found"),
             "limit": text("what was allowed; empty: reported, not judged"),
             "unit": text("unit of both"),
+            "simulator": text("by which simulator"),
         },
         "one a question",
     ),
@@ -36,7 +37,7 @@ def event_channels(run: Run) -> list[Channel]:
     verdict = run.verdict
     report = {
         "verdict": status(run),
-        "simulator": verdict.simulator,
+        "simulator": " and ".join(verdict.simulators),
         "failed": len(verdict.failed),
         "checks": [_row(check) for check in verdict.checks],
     }
@@ -67,6 +68,7 @@ def _row(check: Check) -> dict[str, Any]:
         "value": f"{check.value:.6g}",
         "limit": limit,
         "unit": check.unit,
+        "simulator": check.simulator,
     }
 
 
@@ -80,10 +82,11 @@ def _lines(run: Run) -> list[tuple[float, Any, str]]:
     level = Log.INFO if verdict.passed else Log.ERROR
     judged = [check for check in verdict.checks if check.limit is not None or not check.passed]
     counts = f"{sum(check.passed for check in judged)} of {len(judged)} checks hold"
-    lines = [(0.0, level, f"{status(run)} in {verdict.simulator}: {counts}")]
+    lines = [(0.0, level, f"{status(run)} in {' and '.join(verdict.simulators)}: {counts}")]
     for check in verdict.failed:
         limit = "" if check.limit is None else f", limit {check.limit:.4g}"
-        message = f"{check.segment}: {check.name} {check.value:.4g} {check.unit}{limit}"
+        where = f" in {check.simulator}" if verdict.others else ""
+        message = f"{check.segment}: {check.name} {check.value:.4g} {check.unit}{limit}{where}"
         lines.append((starts.get(check.segment, 0.0), Log.ERROR, message))
     for name, entry in zip(names, timeline.entries, strict=True):
         plan = entry.plan

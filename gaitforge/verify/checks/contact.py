@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
+from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.feet import CONTACT_N
 from gaitforge.verify.support import bridged, static_margin
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81
-"""[m/s²]"""
 
 
 def slip_per_stance(slip_speed: Array, planned: NDArray[np.bool_], dt: float) -> float:

@@ -8,8 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
-
-GRAVITY = 9.81
+from gaitforge.verify.execution import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,12 @@ def direct_client(what: str) -> Iterator[tuple[Any, int]]:
     PyBullet's own exception becomes a `SimulationError` that says `what` was being done.
     """
     with quiet():
-        import pybullet
+        try:
+            import pybullet
+        except ImportError as error:
+            raise SimulationError(
+                "PyBullet is not installed (it has no wheels for Python 3.12 on); verify=mujoco is"
+            ) from error
 
         client = pybullet.connect(pybullet.DIRECT)
     if client < 0:

@@ -13,16 +13,16 @@ from gaitforge.motion.timeline import Timeline, TimelineSamples
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene
 from gaitforge.verify.assemble import assemble_trace
+from gaitforge.verify.execution import planned_rows, planned_speeds, spawn_pose, tell
 from gaitforge.verify.pybullet.camera import camera_picture
 from gaitforge.verify.pybullet.client import direct_client
 from gaitforge.verify.pybullet.recorder import Recorder
-from gaitforge.verify.pybullet.sight import SightLines
 from gaitforge.verify.pybullet.world import World, build_world
+from gaitforge.verify.sight import SightLines
 from gaitforge.verify.simulator import Progress
 from gaitforge.verify.trace import Trace
 
 Array = NDArray[np.float64]
-REPORTS = 100
 CONE_ITERATIONS = 500
 
 
@@ -84,10 +84,7 @@ class PyBulletSimulator:
         if any(entry.plan.holdings for entry in timeline.entries) and not self.friction_cone:
             exact = replace(self, friction_cone=True, solver_iterations=max(self.solver_iterations, CONE_ITERATIONS))
             return exact.run(robot, timeline, scene, progress)
-        rows = int(np.floor(timeline.duration * self.rate_hz + 1e-6)) + 1
-        times = np.arange(rows) / self.rate_hz
-        # A periodic spline is back at its start at the very end, so the last sample is taken just before it.
-        plan = replace(timeline.sample(np.minimum(times, timeline.duration - 1e-9)), times=times)
+        plan = planned_rows(timeline, self.rate_hz)
         with direct_client(f"robot {robot.name}") as (p, client):
             p.setPhysicsEngineParameter(
                 fixedTimeStep=1.0 / self.rate_hz,
@@ -98,19 +95,14 @@ class PyBulletSimulator:
             )
             world = build_world(p, client, robot, scene, self.pair_friction)
             self._settle(world, robot, plan)
-            recorder, sight = Recorder(world, rows), SightLines(world, robot, timeline, scene, plan.times)
+            recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
             images = self._walk(world, robot, plan, recorder, sight, progress)
             recording = recorder.recording(plan.times, sight.free, images)
         return assemble_trace(recording, plan, robot, timeline, scene)
 
     def _settle(self, world: World, robot: RobotModel, plan: TimelineSamples) -> None:
-        """Spawn at the first planned pose, lowered until the lowest stance foot touches, and stand."""
-        pose = plan.base_poses[0].copy()
-        feet = robot.foot_positions(pose, plan.joint_positions[0])
-        radii = np.array([limb.foot.radius for limb in robot.limbs])
-        stance = plan.contact[0] if plan.contact[0].any() else np.ones(len(radii), dtype=bool)
-        pose[2] -= float((feet[:, 2] - radii)[stance].min())
-        world.place_robot(pose, plan.joint_positions[0])
+        """Spawn with the feet on the ground, and stand."""
+        world.place_robot(spawn_pose(robot, plan), plan.joint_positions[0])
         still = np.zeros(len(robot.joint_names))
         for _ in range(round(self.settle_s * self.rate_hz)):
             self._command(world, robot, plan.joint_positions[0], still, plan.efforts[0])
@@ -127,7 +119,7 @@ class PyBulletSimulator:
     ) -> list[tuple[float, bytes]]:
         """The loop; row k is the state at times[k], the step after it is commanded by row k of the plan."""
         rows, images = len(plan.times), []
-        speeds = np.diff(plan.joint_positions, axis=0, append=plan.joint_positions[-1:]) * self.rate_hz
+        speeds = planned_speeds(plan, self.rate_hz)
         camera = next((tool for tool in robot.tools if tool.kind == "camera"), None)
         due = 0.0 if self.camera_hz > 0 and camera is not None else np.inf
         recorder.state(0)
@@ -143,8 +135,7 @@ class PyBulletSimulator:
             world.p.stepSimulation(physicsClientId=world.client)
             recorder.contacts(row)
             recorder.state(row + 1)
-            if progress is not None and (row + 1) * REPORTS // rows > row * REPORTS // rows:
-                progress((row + 1) / rows)
+            tell(progress, row + 1, rows)
         return images
 
     def _command(self, world: World, robot: RobotModel, positions: Array, velocities: Array, efforts: Array) -> None:

@@ -15,12 +15,12 @@ from gaitforge.errors import SimulationError
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import matrices, matrices_of_quaternions, poses_of, quaternions
 from gaitforge.task.scene import Scene, SceneObject
+from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.pybullet.client import quiet
 from gaitforge.verify.scene import boxes_of
+from gaitforge.verify.sight import OTHER
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81
-"""[m/s²]"""
 MAX_JOINTS = 127
 """A body with more joints (fixed ones count) loads and steps, but answers no state call."""
 TORSION_M = 0.01
@@ -69,6 +69,13 @@ class World:
         poses = poses_of(positions + arm, R)
         return poses, np.concatenate([linear + np.cross(angular, arm), angular], axis=1)
 
+    def first_hit(self, start: Array, end: Array) -> int | None:
+        """See `gaitforge.verify.sight.World`."""
+        body = self.p.rayTest(start.tolist(), end.tolist(), physicsClientId=self.client)[0][0]
+        if body < 0:
+            return None
+        return self.objects.index(body) if body in self.objects else OTHER
+
     def link_pose(self, link: str) -> tuple[Array, Array]:
         """Rotation (3, 3) and origin (3,) of a link's frame now."""
         index = self.links.index(link) - 1
@@ -99,7 +106,8 @@ def build_world(p: Any, client: int, robot: RobotModel, scene: Scene, friction: 
     body = _load_robot(p, client, robot)
     count = p.getNumJoints(body, physicsClientId=client)
     if count > MAX_JOINTS:
-        raise SimulationError(f"{robot.name}: PyBullet answers for at most {MAX_JOINTS} joints, found {count}")
+        known = f"PyBullet answers for at most {MAX_JOINTS} joints, found {count}"
+        raise SimulationError(f"{robot.name}: {known}; verify=mujoco takes it")
     infos = [p.getJointInfo(body, i, physicsClientId=client) for i in range(count)]
     links = (p.getBodyInfo(body, physicsClientId=client)[0].decode(), *(info[12].decode() for info in infos))
     index = {info[1].decode(): i for i, info in enumerate(infos)}

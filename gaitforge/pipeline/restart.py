@@ -1,0 +1,105 @@
+"""Walking on after a failure: feet are put where the new gait begins, and it is begun from rest."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.errors import UnsolvedError
+from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.plan import MotionPlan
+from gaitforge.pipeline.damage import Damage
+from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.pipeline.transitions import plan_change
+from gaitforge.pipeline.tries import Try, Workers, attempt
+
+Array = NDArray[np.float64]
+UNHURRIED = (1.6, 2.4)
+"""Factors on the robot's nominal time of a column for steps that are taken one by one."""
+LOW_M = 0.012
+"""[m] high steps while failed feet still bear load: what is lifted with the body need not be lifted higher"""
+
+
+def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
+    """From the stand after a failure into a gait; nothing before anything has failed.
+
+    Few limbs step one by one, in the order with the best margin; many as in a transition.
+    Raises `UnsolvedError` when there is no plan.
+    """
+    from gaitforge.footfall.settling import MOST
+    from gaitforge.motion.stand import plan_start
+
+    if now.stand is None:
+        return []
+    with watch.stage("motion"):
+        start = plan_start(now.robot, gait, name=f"{gait.name}_start", options=now.options.motion)
+    at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
+    if len(gait.pattern.locomotive) <= MOST:
+        return [_settled(now, now.stand, at_rest, watch), Segment(start)]
+    search = replace(now.options.search, transition_phases="seam")
+    options = replace(now.options, search=search)
+    return [plan_change(now.robot, now.stand, at_rest, options, watch, workers), Segment(start)]
+
+
+def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch) -> Segment:
+    """From stand to stand, step by step."""
+    name, begin = f"{stand.name}_to_{start.name}", time.perf_counter()
+    left: list[Attempt] = []
+    for one in _tries(now, stand, start, name):
+        with watch.stage("motion"):
+            result = attempt(one)
+        if result.plan is not None:
+            watch.progress("motion", f"{name}: {one.what}, {result.plan.report.seconds:.2f} s to solve")
+            return Segment(result.plan, 1, tuple(left))
+        left.append(result.left)
+        watch.progress("motion", f"{name}: {one.what}: left ({left[-1].why})")
+    raise UnsolvedError(
+        f"{name}: none of {len(left)} tries has a plan in {time.perf_counter() - begin:.1f} s", exhausted(name, left)
+    )
+
+
+def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iterator[Try]:
+    options = _while_held(now) if now.held else now.options
+    for stretch in UNHURRIED:
+        column_s = now.robot.nominal.transition_column_s * stretch
+        for pattern in _patterns(now, stand, start):
+            steps = " ".join(pattern.info["order"])
+            named = {"pattern": pattern, "column_s": column_s, "name": name, "options": options.motion}
+            yield Try(f"steps {steps}, {column_s:.3f} s a column", "transition", now.robot, (stand, start), named)
+
+
+def _patterns(now: Damage, stand: MotionPlan, start: MotionPlan) -> tuple[FootfallPattern, ...]:
+    from gaitforge.footfall.settling import settling_patterns
+
+    before, after = (_from_body(plan, k) for plan, k in ((stand, -1), (start, 0)))
+    feet, centers = (before[0], after[0]), (before[1], after[1])
+    return settling_patterns(now.robot.limb_names, start.pattern.locomotive, now.held, feet, centers)
+
+
+def _from_body(plan: MotionPlan, k: int) -> tuple[Array, Array]:
+    """Feet (n_F, 2) and centre of mass (2,) at sample k [m], seen from the body's place and heading."""
+    base = plan.base_poses[k]
+    c, s = np.cos(base[5]), np.sin(base[5])
+    turn = np.array([[c, -s], [s, c]])  # world → body when multiplied from the right
+    return (plan.feet[k, :, :2] - base[:2]) @ turn, (plan.com[k, :2] - base[:2]) @ turn
+
+
+def _while_held(now: Damage) -> Options:
+    """Options for steps during which failed feet on the ground bear load: they are locked, and lifted at the end."""
+    from gaitforge.motion.constraints.locked import Locked
+    from gaitforge.motion.constraints.off_ground import OffGround
+    from gaitforge.motion.options import MotionOptions
+
+    motion = now.options.motion or MotionOptions()
+    families = [
+        replace(f, points=tuple(p for p in f.points if p[0] not in now.held)) if isinstance(f, OffGround) else f
+        for f in motion.constraints
+    ]
+    held = replace(motion, constraints=(*families, Locked(limbs=now.held)), step_height=LOW_M)
+    return replace(now.options, motion=held)
