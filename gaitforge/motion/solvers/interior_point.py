@@ -30,6 +30,8 @@ BETTER = 1e-5
 """Share by which a step must improve infeasibility or the barrier function"""
 SMALL_COST = 0.1
 """Below this the gap counts absolutely"""
+FLOOR = 1e-5
+"""μ does not run ahead of the residuals by more than this factor"""
 FAR = 1e3
 """Violations below this many times the feasibility asked for are no stall"""
 LEAST = 1e-12
@@ -223,8 +225,8 @@ class InteriorPoint:
         mean = float(product.mean())
         after = float(((point.t + primal * ahead.t) * (point.z + dual * ahead.z)).mean())
         residual = max(now.dual, float(np.abs(now.off).max(initial=0.0)), float(np.abs(now.short).max(initial=0.0)))
-        mu = max(min(after / mean, 1.0) ** 3 * mean, min(mean, 1e-3 * residual), 1e-10)
-        return self._newton(point, now, sigma, weights, mu - product - primal * dual * ahead.t * ahead.z), mu
+        mu = max(min(after / mean, 1.0) ** 3 * mean, min(mean, FLOOR * residual), 1e-10)
+        return self._newton(point, now, sigma, weights, mu - product - ahead.t * ahead.z), mu
 
     def _newton(self, point: Point, now: Measures, sigma: Array, weights: Array, change: Array) -> Step:
         """The step that changes z t by `change` to first order; Δz = change / t − Σ Δt, Δt = sign Δc + short."""
