@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.inverse import tip_joints, unturned_joints
+from gaitforge.motion.inverse import nearest_joints, tip_joints, unturned_joints
 from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel
@@ -50,16 +50,39 @@ class Grasp:
         """Names of the limbs that hold."""
         return tuple(c.limb.name for c in self.contacts)
 
+    def first_joints(self, pose: Array) -> dict[str, Array]:
+        """limb → joints (n_limb,) with the tips on a box at `pose` (6,), the nearest to the nominal posture."""
+        posture = self.robot.nominal.posture
+        return {
+            c.limb.name: nearest_joints(
+                self.robot, c.limb, c.tip(pose[None], 0.0)[0], posture[self.robot.joint_indices(c.limb)]
+            )
+            for c in self.contacts
+        }
+
     def joints(self, poses: Array, gap: float, near: Mapping[str, Array], above: float = 0.0) -> dict[str, Array]:
         """limb → (n, n_limb) joints with the tips `gap` [m] off a box at `poses` (n, 6) in base_link, `above` it.
 
-        At a gap of 0 limbs that squeeze are sent `DEPTH` into the box.  `near` (limb → joints): where to begin.
+        At a gap of 0 the joint that squeezes is sent on, by as much as would bring the tip `DEPTH` into the box.
+        `near` (limb → joints): where to begin.
         """
         found = {}
         for c in self.contacts:
-            off = -DEPTH if c.squeezes and not gap else gap
-            found[c.limb.name] = tip_joints(self.robot, c.limb, c.tip(poses, off, above), near[c.limb.name])
+            q = tip_joints(self.robot, c.limb, c.tip(poses, gap, above), near[c.limb.name])
+            if c.squeezes and not gap:
+                which = self._lever(c, poses[0], q[0])[0]
+                row = self.robot.joint_indices(c.limb)[which]
+                levers = [self._lever(c, pose, joints)[1][which] for pose, joints in zip(poses, q, strict=True)]
+                further = q[:, which] + DEPTH / np.array(levers)
+                q[:, which] = np.clip(further, self.robot.lower[row], self.robot.upper[row])
+            found[c.limb.name] = q
         return found
+
+    def _lever(self, contact: Contact, pose: Array, q: Array) -> tuple[int, Array]:
+        """The joint with the longest lever about the inward normal of the face, and all levers (n_limb,) [m]."""
+        inward = -matrices(pose[3:]) @ contact.normal
+        levers = _jacobian(self.robot, contact.limb, q).T @ inward
+        return int(np.argmax(np.abs(levers))), levers
 
     def unturned(self, poses: Array, begin: Array, held: dict[str, Array]) -> Array:
         """The poses (n, 6) moved along x so that the tips do not turn about the faces' normals on the way.
@@ -90,10 +113,8 @@ class Grasp:
         for c in self.contacts:
             if not c.squeezes:
                 continue
-            inward = -matrices(pose[3:]) @ c.normal
             q = joints[c.limb.name]
-            levers = _jacobian(self.robot, c.limb, q).T @ inward
-            which = int(np.argmax(np.abs(levers)))
+            which, levers = self._lever(c, pose, q)
             weight = _gravity(self.robot, c.limb, q)[which]
             row = self.robot.joint_indices(c.limb)[which]
             limits[c.limb.joints[which]] = float(min(abs(squeeze * levers[which] + weight), self.robot.effort[row]))

@@ -73,6 +73,8 @@ class Carried:
     """(6,) pose of the box in base_link when the tips close on it, the body level"""
     pose: Array
     """(6,) … while it is carried"""
+    first: Mapping[str, Array]
+    """limb → joints (n,) [rad] with the tips on the sides of the box where it is grasped"""
     joints: Mapping[str, Array]
     """limb → joints (n,) [rad] that carry it"""
     efforts: Mapping[str, float]
@@ -96,7 +98,7 @@ class Carried:
 
     def ready(self, pose: Array) -> dict[str, Array]:
         """limb → joints (n,) beside and above a box at `pose` (6,): from here it is reached, to here limbs go back."""
-        pick, near = self.pick, self.grasp.joints(pose[None], APPROACH, _home(self.grasp))
+        pick, near = self.pick, self.grasp.joints(pose[None], APPROACH, self.first)
         found = self.grasp.joints(pose[None], pick.ready_aside, near, pick.ready_above)
         return {name: q[0] for name, q in found.items()}
 
@@ -104,7 +106,7 @@ class Carried:
         """(n, 6) poses of the box in base_link at the given heights [m], the tips not turning on its faces."""
         poses = np.tile(self.grasped, (len(heights), 1))
         poses[:, 2] = heights
-        held = {name: q[0] for name, q in self.grasp.joints(self.grasped[None], 0.0, _home(self.grasp)).items()}
+        held = {name: q[0] for name, q in self.grasp.joints(self.grasped[None], 0.0, self.first).items()}
         return self.grasp.unturned(poses, self.grasped, held)
 
 
@@ -118,10 +120,9 @@ def carry(robot: RobotModel, box: SceneObject, pick: Pick, place: tuple[float, f
     base = np.array([place[0], place[1], height, 0.0, 0.0, place[2]])
     R, R_box = matrices(base[3:]), matrices(np.array(box.rpy))
     grasped = poses_of((R.T @ (np.array(box.xyz) - base[:3]))[None], (R.T @ R_box)[None])[0]
-    first = Carried(box, pick, grasp, height, grasped, grasped, {}, {})
+    first = Carried(box, pick, grasp, height, grasped, grasped, grasp.first_joints(grasped), {}, {})
     pose = first.path(np.array([grasped[2] + pick.lift - pick.crouch]))[0]
-    near = {n: q[0] for n, q in grasp.joints(grasped[None], 0.0, _home(grasp)).items()}
-    joints = {n: q[0] for n, q in grasp.joints(pose[None], 0.0, near).items()}
+    joints = {n: q[0] for n, q in grasp.joints(pose[None], 0.0, first.first).items()}
     return replace(first, pose=pose, joints=joints, efforts=grasp.efforts(pose, joints, pick.squeeze))
 
 
@@ -296,9 +297,3 @@ def _shares(feet: Array, com: Array, stance: NDArray[np.bool_]) -> Array:
         rows = np.vstack([feet[k, stance, :2].T, np.ones(int(stance.sum()))])
         weights[k, :, stance] = (np.linalg.pinv(rows) @ [*com[k, :2], 1.0])[:, None]
     return weights
-
-
-def _home(grasp: Grasp) -> dict[str, Array]:
-    """limb → joints to begin looking for the grasp from: the middle between standing and pointing at each other."""
-    nominal = grasp.robot.nominal
-    return {c.limb.name: nominal.posture[grasp.robot.joint_indices(c.limb)] for c in grasp.contacts}

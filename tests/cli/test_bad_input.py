@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 import yaml
 
-from gaitforge.resources import module_dirs, robot_files
+from gaitforge.resources import conf_dir, module_dirs, robot_files
 from tests.conftest import Finished
 
 Run = Callable[..., Finished]
+
+TASKS = ", ".join(sorted(file.stem for file in (conf_dir() / "task").glob("*.yaml")))
 
 
 def refused(finished: Finished, *words: str, code: int = 2, lines: int = 2) -> None:
@@ -29,7 +31,7 @@ def refused(finished: Finished, *words: str, code: int = 2, lines: int = 2) -> N
     ("arguments", "words"),
     [
         (["robot=octopus"], ["robot", "'octopus'", "dodecapod, hexapod, quadruped"]),
-        (["task=dance"], ["task", "'dance'", "camera_leg, transition, walk"]),
+        (["task=dance"], ["task", "'dance'", TASKS]),
         (["task.sped=0.05"], ["task.sped", "unknown key", "speed"]),
         (["task.phases.0.cycels=3"], ["task.phases[0].cycels", "unknown key", "cycles"]),
         (["sed=3"], ["sed", "unknown key", "seed"]),

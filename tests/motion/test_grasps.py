@@ -78,9 +78,9 @@ def test_tips_touch_the_sides_of_the_box_all_through_the_lift(
         R = matrices(base[3:])
         local = (_tips(hexapod, lift, k) - base[:3]) @ R - pose[:3]  # body axes: the box is not turned in them
         left, right = local[0], local[3]
-        assert left[1] == pytest.approx(0.125 + 0.0254 - DEPTH, abs=1e-6)
-        assert right[1] == pytest.approx(-0.125 - 0.0254, abs=1e-6)
-        np.testing.assert_allclose([left[[0, 2]], right[[0, 2]]], [[0.0, 0.01]] * 2, atol=1e-6)
+        assert 0.125 + 0.0254 - DEPTH - 1e-3 < left[1] < 0.125 + 0.0254 - 0.005  # by one joint, as far as it turns
+        np.testing.assert_allclose(left[[0, 2]], [0.0, 0.01], atol=5e-3)
+        np.testing.assert_allclose(right, [0.0, -0.125 - 0.0254, 0.01], atol=1e-6)
 
 
 def test_the_box_stands_where_the_scene_has_it_until_it_is_lifted(picking: list[MotionPlan]) -> None:

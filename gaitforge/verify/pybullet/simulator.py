@@ -23,7 +23,7 @@ from gaitforge.verify.simulator import Progress
 from gaitforge.verify.trace import Trace
 
 Array = NDArray[np.float64]
-CONE_ITERATIONS = 500
+CONE_ITERATIONS = 1000
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,8 @@ class PyBulletSimulator:
         """Execute the timeline; SimulationError when PyBullet refuses the robot.
 
         Where a load is grasped, friction is Coulomb's cone with the iterations it wants: with the pyramid PyBullet
-        leaves spinning friction out, and a box between two tips swings like a pendulum.
+        leaves spinning friction out, and a box between two tips swings like a pendulum.  The closed chain wants more
+        iterations than a stance does.
         """
         if any(entry.plan.holdings for entry in timeline.entries) and not self.friction_cone:
             exact = replace(self, friction_cone=True, solver_iterations=max(self.solver_iterations, CONE_ITERATIONS))
