@@ -29,19 +29,24 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     failure: UnsolvedError | None = None
     for share in options.stability_shares:
         try:
-            plan = _refined(segment, replace(options, stability_share=share))
+            plan = _refined(segment, replace(options, stability_share=share), remedies := Remedies())
         except UnsolvedError as error:
             failure = failure or error
             continue
         relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
         return replace(plan, relaxed=(*plan.relaxed, *relaxed))
     assert failure is not None
-    raise failure
+    if not options.explain:
+        raise failure
+    from gaitforge.motion.explain import explained
+
+    raise explained(segment, options, failure, remedies.shares)
 
 
-def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
+def _refined(segment: Segment, options: MotionOptions, remedies: Remedies) -> MotionPlan:
     """Solve on the asked grid, then with what the dense check asks for."""
-    remedies, answered = Remedies(_role_changes(segment)), tuple[str, ...]()
+    remedies.shares.update(_role_changes(segment))
+    answered: tuple[str, ...] = ()
     start: Solution | None = None
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(remedies.applied(options), remedies.families, start)
