@@ -67,7 +67,7 @@ def plan_gait(
     Raises `InputError` for unknown limbs, `InfeasibleMotion` with a geometric certificate, and
     `UnsolvedError` when the optimiser finds no plan, saying which family, limb and sample resist.
     """
-    from gaitforge.motion.limits import refuse_impossible_speed, refuse_impossible_stance
+    from gaitforge.motion.limits import refuse_grounded_trunk, refuse_impossible_speed, refuse_impossible_stance
 
     robot = robot if loads is None else robot.carrying(*loads)
     options = options or MotionOptions()
@@ -87,6 +87,7 @@ def plan_gait(
         grid = Discretisation(pattern, options.samples_per_column, seconds, command, stance=stance)
         refuse_impossible_speed(robot, grid)
         refuse_impossible_stance(robot, grid, options)
+        refuse_grounded_trunk(robot, grid, options)
         segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, stance, fixed), named)
         return solve_refined(segment if like is None else segment.like(like), options)
 
