@@ -63,7 +63,7 @@ class Planner:
         return plan_of(robot, pattern or before.pattern, name, 1.0, kind="transition")
 
     def stand(self, which: str) -> Any:
-        return lambda robot, gait, *, options: plan_of(robot, gait.pattern, which, 1.0, kind="stand")
+        return lambda robot, gait, *, name, options: plan_of(robot, gait.pattern, name, 1.0, kind="stand")
 
 
 @pytest.fixture
