@@ -19,6 +19,7 @@ from gaitforge.motion.plan import Command, MotionPlan, Stance
 from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.stance import Posture, commanded_stance
+from gaitforge.motion.strength import refuse_weak_modules
 from gaitforge.motion.trajectory import Discretisation, Guess, planar_motion
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.payload import Load
@@ -87,6 +88,7 @@ def plan_gait(
         grid = Discretisation(pattern, options.samples_per_column, seconds, command, stance=stance)
         refuse_impossible_speed(robot, grid)
         refuse_impossible_stance(robot, grid, options)
+        refuse_weak_modules(robot, grid, options)
         segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, stance, fixed), named)
         return solve_refined(segment if like is None else segment.like(like), options)
 

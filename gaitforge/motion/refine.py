@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -103,10 +104,12 @@ def _reported(
     spent = sum(entry["seconds"] for entry in remedies.log)
     turns = sum(entry["iterations"] for entry in remedies.log)
     done = replace(plan.report, seconds=spent, iterations=turns, details=details)
-    return replace(plan, report=done, relaxed=_relaxed(options, report, pressure.margin))
+    return replace(plan, report=done, relaxed=_relaxed(options, report, pressure.margin, efforts))
 
 
-def _relaxed(options: MotionOptions, report: DenseReport, margin: NDArray[np.float64]) -> tuple[str, ...]:
+def _relaxed(
+    options: MotionOptions, report: DenseReport, margin: NDArray[np.float64], efforts: Mapping[str, float]
+) -> tuple[str, ...]:
     """What the spline does not keep and refinement has no answer to, in words."""
     told = []
     if report.penetration > options.ground_tolerance:
@@ -115,6 +118,9 @@ def _relaxed(options: MotionOptions, report: DenseReport, margin: NDArray[np.flo
         told.append(f"feet slip {1e3 * report.slip:.1f} mm in a stance")
     if margin.min() < 0.0:
         told.append(f"zero-moment point {-1e3 * margin.min():.1f} mm outside the support polygon")
+    weakest = max(efforts, key=efforts.__getitem__)
+    if efforts[weakest] > 1.0:
+        told.append(f"limb {weakest} at {efforts[weakest]:.2f} of its effort limit")
     return tuple(told)
 
 
