@@ -61,12 +61,12 @@ def subsets(robot: RobotModel, most: int) -> Iterator[tuple[str, ...]]:
 def by_families(robot: RobotModel, lost: Sequence[str], families: Sequence[ConstraintSet]) -> Case:
     """A pattern or a proof without any geometry; a pattern is checked by every family."""
     problem = gait_problem(robot, [n for n in robot.limb_names if n not in lost], COLUMNS)
-    start = time.perf_counter()
+    start = time.process_time()
     try:
         pattern = solve(problem, families, SearchOptions())
     except InfeasibleFootfall as error:
-        return Case(tuple(lost), None, tuple(error.explain["families"]), time.perf_counter() - start)
-    seconds = time.perf_counter() - start
+        return Case(tuple(lost), None, tuple(error.explain["families"]), time.process_time() - start)
+    seconds = time.process_time() - start
     if check_pattern(pattern.contact, problem, families):
         raise AssertionError(f"{robot.name} without {lost}: the pattern breaks a family")
     return Case(tuple(lost), pattern.changes, (), seconds)
@@ -75,12 +75,12 @@ def by_families(robot: RobotModel, lost: Sequence[str], families: Sequence[Const
 def with_placement(robot: RobotModel, lost: Sequence[str], families: Sequence[ConstraintSet]) -> Case:
     """A pattern over placed footholds, its margin confirmed by shapely, or a proof."""
     problem = gait_problem(robot, [n for n in robot.limb_names if n not in lost], COLUMNS)
-    start = time.perf_counter()
+    start = time.process_time()
     try:
         pattern = placed_pattern(robot, problem, families, SearchOptions())
     except InfeasibleFootfall as error:
-        return Case(tuple(lost), None, tuple(error.explain.get("families", ["g11"])), time.perf_counter() - start)
-    seconds, info = time.perf_counter() - start, pattern.info
+        return Case(tuple(lost), None, tuple(error.explain.get("families", ["g11"])), time.process_time() - start)
+    seconds, info = time.process_time() - start, pattern.info
     measured = shapely_margin(pattern)
     if abs(measured - info["support_margin_m"]) > SLACK or measured < info["delta_m"] - SLACK:
         raise AssertionError(f"{robot.name} without {lost}: shapely measures {measured} m, reported {dict(info)}")
@@ -110,15 +110,15 @@ def main() -> None:
     plain: dict[str, list[Case]] = {}
     placed: dict[str, list[Case]] = {}
     robots = {name: load_robot(name) for name, _ in ROBOTS}
-    start = time.perf_counter()
+    start = time.process_time()
     for name, most in ROBOTS:
         plain[name] = [by_families(robots[name], lost, paper) for lost in subsets(robots[name], most)]
-    middle = time.perf_counter()
+    middle = time.process_time()
     for name, most in ROBOTS:
         placed[name] = [
             with_placement(robots[name], lost, (*default, SupportSectors())) for lost in subsets(robots[name], most)
         ]
-    end = time.perf_counter()
+    end = time.process_time()
     PAGE.parent.mkdir(parents=True, exist_ok=True)
     PAGE.write_text(_page(plain, placed, middle - start, end - middle), encoding="utf-8")
     print(PAGE)
@@ -131,7 +131,8 @@ def _page(plain: dict[str, list[Case]], placed: dict[str, list[Case]], first: fl
         "# Lost limbs",
         "",
         "`OMP_NUM_THREADS=1 python -m benchmarks.lost_limbs`, "
-        f"{today}, Python {platform.python_version()}, {versions}; {platform.machine()}, one process.",
+        f"{today}, Python {platform.python_version()}, {versions}; {platform.machine()}, one process; "
+        "seconds of processor time.",
         "",
         f"Every set of lost limbs, {COLUMNS} columns: a cyclic pattern that passes every family's own check, "
         "or a proof that there is none.",

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from gaitforge.motion.stand import plan_start as plan_start
     from gaitforge.motion.stand import plan_stop as plan_stop
     from gaitforge.motion.transition import plan_transition as plan_transition
+    from gaitforge.pipeline.recover import Recovery as Recovery
+    from gaitforge.pipeline.recover import recover as recover
     from gaitforge.record import write_log as write_log
     from gaitforge.robot.load import load_robot as load_robot
     from gaitforge.robot.model import RobotModel as RobotModel
@@ -47,6 +49,8 @@ _HOMES = {
     "plan_transition": "gaitforge.motion.transition",
     "plan_start": "gaitforge.motion.stand",
     "plan_stop": "gaitforge.motion.stand",
+    "recover": "gaitforge.pipeline.recover",
+    "Recovery": "gaitforge.pipeline.recover",
     "Load": "gaitforge.robot.payload",
     "Failed": "gaitforge.task.roles",
     "Held": "gaitforge.task.roles",

@@ -30,7 +30,7 @@ def gait_a(robot: gf.RobotModel) -> gf.MotionPlan:
 def gait_b(robot: gf.RobotModel) -> gf.MotionPlan:
     pattern = gf.synthesize_gait_pattern(robot, locomotive=FIVE, columns=12)
     return gf.plan_gait(
-        robot, pattern, speed=0.064, duration=2.0, samples_per_column=3, roles={"R1": gf.Held((0.0, 0.7, 0.2))},
+        robot, pattern, speed=0.064, duration=2.0, samples_per_column=4, roles={"R1": gf.Held((0.0, 0.7, 0.2))},
         name="five",
     )  # fmt: skip
 

@@ -35,10 +35,13 @@ def support_margins(feet: Array, stance: NDArray[np.bool_], points: Array) -> Ar
     reach = np.einsum("kijd,kld->kijl", normal, feet)
     inside = (reach <= offset[..., None] + 1e-9) | ~stance[:, None, None, :]
     hull = inside.all(axis=-1) & stance[:, :, None] & stance[:, None, :] & (length > 1e-9)
-    distance = offset[..., None] - np.einsum("kijd,pd->kijp", normal, points)
-    distance = np.where(hull[..., None], distance, np.inf)
-    margins = distance.min(axis=(1, 2))
-    return np.where(np.isfinite(margins), margins, OUTSIDE)
+    polygon, i, j = np.nonzero(hull)
+    distance = offset[polygon, i, j][:, None] - normal[polygon, i, j] @ points.T  # (edges, p)
+    margins = np.full((len(feet), len(points)), OUTSIDE)
+    if len(polygon):
+        first = np.flatnonzero(np.diff(polygon, prepend=-1))
+        margins[polygon[first]] = np.minimum.reduceat(distance, first, axis=0)
+    return margins
 
 
 def stability(

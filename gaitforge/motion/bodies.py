@@ -16,6 +16,8 @@ from gaitforge.robot.model import RobotModel
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 BASE = -1
+CROSSED = 0.3
+"""Axes nearer to each other than this share of the radii cross: they have no side on which they could part"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,8 @@ class Closest(NamedTuple):
     """[m] between the surfaces, the smallest from half an interval before the sample to half an interval after"""
     dip: float = 0.0
     """[m] how much of that is lost between the samples"""
+    side: Array | None = None
+    """(3,) from the second limb to the first [unit vector, base frame], where the two axes (nearly) cross"""
 
 
 _known: WeakKeyDictionary[RobotModel, tuple[LimbCapsule, ...]] = WeakKeyDictionary()
@@ -120,7 +124,7 @@ def closest_pairs(
     share = np.zeros((*near.shape, 2))
     share[pair, k, 0], share[pair, k, 1] = s, t
     return [
-        _closest(capsules[first[p]], capsules[second[p]], share[p, at], worst, at, at_sample, sample)
+        _closest(capsules[first[p]], capsules[second[p]], share[p, at], worst, at_sample, sample, poses)
         for p, sample, at, worst, at_sample in hits(gap, margin, per_interval)
     ]
 
@@ -144,10 +148,16 @@ def hits(gap: Array, margin: float, per_interval: int) -> list[tuple[int, int, i
 
 
 def _closest(
-    first: LimbCapsule, second: LimbCapsule, share: Array, gap: float, at: int, at_sample: float, sample: int
-) -> Closest:
+    first: LimbCapsule, second: LimbCapsule, share: Array, gap: float, at_sample: float, sample: int,
+    poses: dict[int, LimbPoses],
+) -> Closest:  # fmt: skip
     p, q = (c.a + s * (c.b - c.a) for c, s in ((first, share[0]), (second, share[1])))
-    return Closest(sample, first, second, p, q, gap, max(0.0, at_sample - gap))
+    reach = first.radius + second.radius
+    side = None
+    if gap + reach < CROSSED * reach and BASE not in (first.limb, second.limb):
+        hips = poses[first.limb].origins[0, 0] - poses[second.limb].origins[0, 0]
+        side = hips / np.linalg.norm(hips)
+    return Closest(sample, first, second, p, q, gap, max(0.0, at_sample - gap), side)
 
 
 def _near_limbs(

@@ -11,7 +11,9 @@ from gaitforge.motion.plan import MotionPlan
 
 RESOLUTION = 0.06
 """The answer is at most this share longer than a duration that was tried and left."""
-SOLVES = 7
+SOLVES = 9
+FARTHER = 1.3
+"""How much shorter the next duration is at least, while none was too short yet."""
 LONGEST = 4.0
 """Times the robot's nominal duration: what needs more is refused."""
 STEADY_M = 0.003
@@ -77,7 +79,10 @@ def shortest(
     while len(search.tried) < SOLVES:
         if search.left >= search.best_s / (1.0 + RESOLUTION):
             break
-        guess = search.best_s * max(0.4, 1.01 * search.tried[search.best_s])
+        guess = search.best_s * max(0.5, 1.01 * search.tried[search.best_s])
+        if not search.left:  # rows on joint speeds may keep the load where it is: go on until something gives
+            search.attempt(min(guess, search.best_s / FARTHER))
+            continue
         middle = (search.left * search.best_s) ** 0.5
         search.attempt(max(middle, min(guess, search.best_s / (1.0 + 0.5 * RESOLUTION))))
     assert search.best is not None

@@ -9,8 +9,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.given import stand_pattern
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.constraints.balance import Balance
 from gaitforge.motion.constraints.locked import Locked
 from gaitforge.motion.constraints.off_ground import OffGround, Point
 from gaitforge.motion.options import MotionOptions
@@ -30,6 +32,8 @@ CLEAR_M = 0.01
 """[m] that a foot which cannot be lifted any more is off the ground"""
 SPARE_M = 0.002
 """[m] more, where the stand ends: what follows keeps `CLEAR_M`"""
+CATCH_S = 0.3
+"""[s] of a halt that has to be quick"""
 SHARES = (0.5, 0.3, 0.1)
 """Shares by which the support polygon is shrunk: a body that stands may be nearer to its edge than one that walks."""
 
@@ -58,11 +62,13 @@ def plan_halt(
 
     Limbs that `roles` calls failed are locked.  Those whose feet are on the ground bear load until the others
     stand, because what they hold cannot be let go at once; so the body stays where it is.
+    Limp ones bear nothing: where the others cannot balance without them, feet in the air are put down as fast as
+    they can be, and the plan says in `relaxed` for how long nothing is promised.
     Raises `UnsolvedError` when the optimiser finds no plan.
     """
     options = options or MotionOptions()
-    failed = tuple(n for n, role in roles.items() if isinstance(role, Failed))
-    now = end_state(robot, until, stopped=True)
+    failed = _failed(roles, "locked")
+    now = hung(robot, end_state(robot, until, stopped=True), roles)
     down = [n for n, on in zip(robot.limb_names, now.ground, strict=True) if on]
     landing = [n for n in robot.limb_names if n not in down and n not in roles]
     held, lifted = (tuple(n for n in failed if (n in down) == on) for on in (True, False))
@@ -71,7 +77,30 @@ def plan_halt(
     # no higher than now: the body may have to stay where the locked feet on the ground keep it
     height = min(lowest(robot, until, lifted), CLEAR_M) if lifted else CLEAR_M
     families = (Locked(limbs=held), OffGround(foot_points(robot, lifted, now.joints), max(height - 1e-3, 0.0)))
-    return _stand(robot, name, pattern, now, roles, options, families)
+    try:
+        return _stand(robot, name, pattern, now, roles, options, families)
+    except UnsolvedError:
+        if not landing or not _failed(roles, "limp"):
+            raise
+    unbalanced = tuple(f for f in options.constraints if not isinstance(f, Balance))
+    quick = replace(options, stand_seconds=CATCH_S, constraints=unbalanced)
+    caught = _stand(robot, name, pattern, now, roles, quick, families)
+    seconds = CATCH_S * LANDING / COLUMNS
+    return replace(caught, relaxed=(*caught.relaxed, f"no balance for {seconds:.2f} s, until feet are put down"))
+
+
+def _failed(roles: Mapping[str, Role], mode: str) -> tuple[str, ...]:
+    return tuple(n for n, role in roles.items() if isinstance(role, Failed) and role.mode == mode)
+
+
+def hung(robot: RobotModel, state: Boundary, roles: Mapping[str, Role]) -> Boundary:
+    """The state with limp limbs where they hang, and bearing nothing."""
+    joints, ground = state.joints.copy(), state.ground.copy()
+    for i, limb in enumerate(robot.limbs):
+        role = roles.get(limb.name)
+        if isinstance(role, Failed) and role.mode == "limp" and role.posture is not None:
+            joints[robot.joint_indices(limb)], ground[i] = role.posture, False
+    return replace(state, joints=joints, ground=ground)
 
 
 def plan_clear(
@@ -83,7 +112,7 @@ def plan_clear(
     Raises `UnsolvedError` when the optimiser finds no plan.
     """
     options = options or MotionOptions()
-    failed = tuple(n for n, role in roles.items() if isinstance(role, Failed))
+    failed = _failed(roles, "locked")
     now = end_state(robot, halt, stopped=True)
     pattern = stand_pattern(robot, COLUMNS, free=[n for n in robot.limb_names if n in roles])
     families = (OffGround(foot_points(robot, failed, now.joints), CLEAR_M + SPARE_M),)

@@ -54,6 +54,8 @@ class MotionOptions:
     """Constraint families, in any order; refinement adds joint speeds and clearances."""
     costs: tuple[Family, ...] = field(default_factory=default_costs)
     """Cost families."""
+    explain: bool = True
+    """Whether the least violated point is looked for when there is no plan: some seconds, for an answer to why."""
     table: bool = False
     """Whether reports say what the problem consists of (`motion.table`)."""
     solver: MotionSolver = field(default_factory=Structured)

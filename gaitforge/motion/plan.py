@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.holding import Holding
 from gaitforge.robot.payload import Load
-from gaitforge.task.roles import Role
+from gaitforge.task.roles import Failed, Role
 
 if TYPE_CHECKING:
     from gaitforge.motion.table import TableRow
@@ -108,6 +108,11 @@ class MotionPlan:
     """(2, 6) the same for the base"""
     report: SolveReport = SolveReport()
     relaxed: tuple[str, ...] = ()
+
+    @property
+    def limp(self) -> tuple[str, ...]:
+        """Limbs whose motors are off."""
+        return tuple(n for n, role in self.roles.items() if isinstance(role, Failed) and role.mode == "limp")
 
     @property
     def duration(self) -> float:

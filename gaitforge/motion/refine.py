@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -29,19 +30,24 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     failure: UnsolvedError | None = None
     for share in options.stability_shares:
         try:
-            plan = _refined(segment, replace(options, stability_share=share))
+            plan = _refined(segment, replace(options, stability_share=share), remedies := Remedies())
         except UnsolvedError as error:
             failure = failure or error
             continue
         relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
         return replace(plan, relaxed=(*plan.relaxed, *relaxed))
     assert failure is not None
-    raise failure
+    if not options.explain:
+        raise failure
+    from gaitforge.motion.explain import explained
+
+    raise explained(segment, options, failure, remedies.shares)
 
 
-def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
+def _refined(segment: Segment, options: MotionOptions, remedies: Remedies) -> MotionPlan:
     """Solve on the asked grid, then with what the dense check asks for."""
-    remedies, answered = Remedies(_role_changes(segment)), tuple[str, ...]()
+    remedies.shares.update(_role_changes(segment))
+    answered: tuple[str, ...] = ()
     start: Solution | None = None
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(remedies.applied(options), remedies.families, start)
@@ -98,10 +104,12 @@ def _reported(
     spent = sum(entry["seconds"] for entry in remedies.log)
     turns = sum(entry["iterations"] for entry in remedies.log)
     done = replace(plan.report, seconds=spent, iterations=turns, details=details)
-    return replace(plan, report=done, relaxed=_relaxed(options, report, pressure.margin))
+    return replace(plan, report=done, relaxed=_relaxed(options, report, pressure.margin, efforts))
 
 
-def _relaxed(options: MotionOptions, report: DenseReport, margin: NDArray[np.float64]) -> tuple[str, ...]:
+def _relaxed(
+    options: MotionOptions, report: DenseReport, margin: NDArray[np.float64], efforts: Mapping[str, float]
+) -> tuple[str, ...]:
     """What the spline does not keep and refinement has no answer to, in words."""
     told = []
     if report.penetration > options.ground_tolerance:
@@ -110,6 +118,9 @@ def _relaxed(options: MotionOptions, report: DenseReport, margin: NDArray[np.flo
         told.append(f"feet slip {1e3 * report.slip:.1f} mm in a stance")
     if margin.min() < 0.0:
         told.append(f"zero-moment point {-1e3 * margin.min():.1f} mm outside the support polygon")
+    weakest = max(efforts, key=efforts.__getitem__)
+    if efforts[weakest] > 1.0:
+        told.append(f"limb {weakest} at {efforts[weakest]:.2f} of its effort limit")
     return tuple(told)
 
 

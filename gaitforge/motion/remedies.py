@@ -19,6 +19,8 @@ from gaitforge.motion.segment import Segment
 
 NEAR_M = 0.01
 """[m] pairs of bodies this much farther apart than the clearance are watched, too"""
+ALIKE = 4
+"""Pairs of bodies of two limbs that are kept apart at one sample"""
 INSIDE_RAD = 2e-3
 """[rad] by how much more than the excess the samples keep from a position limit"""
 
@@ -73,8 +75,7 @@ class Remedies:
             self.joint_margin += beyond + INSIDE_RAD
         close = bodies_free(segment, report)
         if min((c.gap for c in close), default=np.inf) < 0.5 * options.clearance:
-            near = tuple(c for c in close if c.gap < options.clearance + NEAR_M)
-            self.clearances.append(Clearance(near, options.clearance))
+            self.clearances.append(Clearance(_nearest(close), options.clearance))
 
 
 def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> list[Miss]:
@@ -107,6 +108,16 @@ def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> lis
 def bodies_free(segment: Segment, report: DenseReport) -> list[Closest]:
     """Pairs of bodies that this segment can part: not those in the states that its neighbours have fixed."""
     return [c for c in report.close if not _given(segment, c) and _moves(segment, c)]
+
+
+def _nearest(close: list[Closest]) -> tuple[Closest, ...]:
+    """The few nearest of every two limbs at every sample: bodies side by side say the same."""
+    kept: dict[tuple[int, int, int], list[Closest]] = {}
+    for pair in sorted(close, key=lambda c: c.gap):
+        alike = kept.setdefault((pair.sample, pair.first.limb, pair.second.limb), [])
+        if len(alike) < ALIKE:
+            alike.append(pair)
+    return tuple(pair for alike in kept.values() for pair in alike)
 
 
 def _moves(segment: Segment, pair: Closest) -> bool:

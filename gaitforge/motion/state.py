@@ -52,7 +52,7 @@ def com_velocity(robot: RobotModel, plan: MotionPlan, t: float) -> Array:
     base, rate = plan.base_spline(t), plan.base_spline(t, 1)
     q = robot.configuration(base, plan.joint_spline(t))
     v = robot.velocity_vector(base, rate, plan.joint_spline(t, 1))
-    data = robot.pin.createData()
+    data = robot.pin_data
     pinocchio.centerOfMass(robot.pin, data, q, v)
     return np.array(data.vcom[0])
 

@@ -52,7 +52,7 @@ class TimelineSamples:
     column: NDArray[np.intp]
     """(n,) column of the segment's pattern"""
     efforts: Array
-    """(n, n_J) effort [N m] that each joint may use: its own limit, or less where it squeezes a load"""
+    """(n, n_J) effort [N m] that each joint may use: its own limit, less when it squeezes, 0 when limp"""
     loads: dict[str, Array] = field(default_factory=dict)
     """name of an object → (n, 6) planned pose of its centre in base_link, NaN while it is not in reach"""
 
@@ -124,6 +124,9 @@ class Timeline:
         for index, entry in enumerate(self.entries):
             here = np.flatnonzero(segment == index)
             phase = np.clip(t[here] - entry.start - cycle[here] * entry.plan.duration, 0.0, entry.plan.duration)
+            for limb in map(self.robot.limb, entry.plan.limp):
+                for joint in (*limb.joints, *limb.tool_joints):
+                    efforts[here, self.robot.joint_names.index(joint)] = 0.0
             for holding in entry.plan.holdings:
                 poses = loads.setdefault(holding.object, np.full((len(t), 6), np.nan))
                 poses[here] = holding.at(phase / entry.plan.duration)

@@ -316,6 +316,11 @@ def _ramp(grid: Discretisation, ground: NDArray[np.bool_]) -> Array:
     for lift, land in swings(ground, grid.cyclic):
         gentle = min(2.0 * grid.samples_per_column, 0.5 * (land - lift))
         ramp[np.arange(lift, land + 1) % grid.samples] = max(grid.samples_per_column, gentle)
+    stands = np.flatnonzero(ground)
+    if not grid.cyclic and len(stands):  # lifted for good, or landing from the gait before
+        most = 2.0 * grid.samples_per_column
+        ramp[: stands[0]] = max(grid.samples_per_column, min(most, stands[0]))
+        ramp[stands[-1] + 1 :] = max(grid.samples_per_column, min(most, grid.samples - 1 - stands[-1]))
     return ramp
 
 

@@ -57,7 +57,7 @@ def _dynamics(
     import pinocchio
 
     q, v, a = _states(robot, plan, times, base, joints)
-    data = robot.pin.createData()
+    data = robot.pin_data
     zmp, com, acceleration = (np.zeros((len(times), size)) for size in (2, 3, 3))
     for k in range(len(times)):
         wrench = pinocchio.Force(pinocchio.rnea(robot.pin, data, q[k], v[k], a[k])[:6])

@@ -53,12 +53,13 @@ def stuck(robot: RobotModel, roles: Mapping[str, Failed]) -> RobotModel:
 
 
 def kept_clear(robot: RobotModel, roles: Mapping[str, Failed], options: Options) -> Options:
-    """The options with the feet of failed limbs kept off the ground in every segment."""
+    """The options with the feet of locked limbs kept off the ground in every segment; limp ones drag."""
     from gaitforge.motion.constraints.off_ground import OffGround
     from gaitforge.motion.halt import CLEAR_M, foot_points
     from gaitforge.motion.options import MotionOptions
 
     motion = options.motion or MotionOptions()
     others = tuple(f for f in motion.constraints if not isinstance(f, OffGround))
-    clear = OffGround(foot_points(robot, tuple(roles), robot.nominal.held_posture), CLEAR_M)
+    locked = tuple(n for n, role in roles.items() if role.mode == "locked")
+    clear = OffGround(foot_points(robot, locked, robot.nominal.held_posture), CLEAR_M)
     return replace(options, motion=replace(motion, constraints=(*others, clear)), transition="optimise")

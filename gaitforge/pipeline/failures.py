@@ -84,7 +84,8 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
     with watch.stage("motion"):
         stand = plan_halt(robot, until, roles, name=f"{name}_halt", options=motion)
         done.append(Segment(stand))
-        if lowest(robot, stand, failure.limbs) < CLEAR_M:
+        locked = tuple(n for n, role in failed.items() if role.mode == "locked")
+        if lowest(robot, stand, locked) < CLEAR_M:
             try:
                 stand = plan_clear(robot, stand, roles, name=f"{name}_clear", options=motion)
                 done.append(Segment(stand))
@@ -105,10 +106,14 @@ def moment(robot: RobotModel, gait: MotionPlan, failure: Failure, seed: int) -> 
 
 
 def _failed(robot: RobotModel, until: MotionPlan, failure: Failure) -> dict[str, Failed]:
-    """Limb → its role from now on, with the posture that it has at the end of `until`."""
+    """Limb → its role from now on, with the posture that it has at the end of `until`, or hangs in after it."""
+    from gaitforge.motion.hanging import hanging_joints
+
     roles = {}
     for name in failure.limbs:
         limb = robot.limb(name)
         posture = until.joint_positions[robot.joint_indices(limb), -1]
+        if failure.mode == "limp":
+            posture = hanging_joints(robot, limb, posture, float(until.base_poses[-1, 2]))
         roles[limb.name] = Failed(failure.mode, tuple(posture.tolist()))
     return roles

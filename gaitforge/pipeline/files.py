@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gaitforge.pipeline.manifest import config_hash, manifest
-from gaitforge.record.files import write_json, write_text
+from gaitforge.record.files import write_bytes, write_json, write_text
 
 if TYPE_CHECKING:
     from gaitforge.motion.timeline import Timeline
@@ -36,7 +36,7 @@ def write_plan_files(folder: Path, robot: RobotModel, timeline: Timeline) -> Non
 
 
 def write_log_files(run: Run, verdict: Verdict) -> None:
-    """``run.mcap``, ``run.layout.json`` and ``speed.png``: what the simulation showed."""
+    """``run.mcap``, ``run.layout.json``, ``speed.png`` and, if asked for, ``clip.webp``: what was simulated."""
     from gaitforge.record.layout import write_layout
     from gaitforge.report.speed_plot import write_speed_png
 
@@ -49,6 +49,8 @@ def write_log_files(run: Run, verdict: Verdict) -> None:
     run.options.recorder.write(run.folder / "run.mcap", run.robot, verdict, scene=run.task.scene, metadata=metadata)
     write_layout(run.folder / "run.layout.json", run.robot, verdict.timeline, images=bool(verdict.trace.images))
     write_speed_png(run.folder / "speed.png", verdict)
+    if run.options.recorder.clip:
+        write_bytes(run.folder / "clip.webp", _clip(run, verdict))
 
 
 def write_report(run: Run, summary: Mapping[str, Any], verdict: Verdict | None) -> None:
@@ -59,6 +61,7 @@ def write_report(run: Run, summary: Mapping[str, Any], verdict: Verdict | None) 
     write_clash_png(run.folder / "clash.png", summary["explain"] or {})
     footfall, speed, clash = (_bytes(run.folder / name) for name in ("footfall.png", "speed.png", "clash.png"))
     pictures = _pictures(run, verdict) if verdict else []
+    clip = "clip.webp" if (run.folder / "clip.webp").exists() else None
     write_report_html(
         run.folder / "report.html",
         summary,
@@ -66,17 +69,27 @@ def write_report(run: Run, summary: Mapping[str, Any], verdict: Verdict | None) 
         speed_png=speed,
         clash_png=clash,
         pictures=pictures,
+        clip=clip,
     )
 
 
 def _pictures(run: Run, verdict: Verdict) -> list[tuple[str, bytes]]:
-    """(caption, PNG) from the middle of every segment that walks."""
-    from gaitforge.verify.pictures import render
+    """(caption, PNG) from the middle of every segment that walks; none where there is no renderer."""
+    from gaitforge.verify.pictures import can_draw, render, view_of
 
+    if not run.options.recorder.pictures or not can_draw():
+        return []
     walking = [e for e in verdict.timeline.entries if e.plan.kind != "stand"]
     times = [0.5 * (e.start + e.end) for e in walking]
-    drawn = render(run.robot, verdict.trace, run.task.scene, times, PICTURE)
+    drawn = render(run.robot, verdict.trace, run.task.scene, times, PICTURE, yaw_deg=view_of(run.task.scene).yaw_deg)
     return [(f"{e.plan.name}, {t:.1f} s", png) for e, t, png in zip(walking, times, drawn, strict=True)]
+
+
+def _clip(run: Run, verdict: Verdict) -> bytes:
+    from gaitforge.verify.clips import render_clip
+
+    recorder, scene = run.options.recorder, run.task.scene
+    return render_clip(run.robot, verdict.trace, scene, frames_hz=recorder.clip_hz, size=recorder.clip_size)
 
 
 def _bytes(path: Path) -> bytes | None:

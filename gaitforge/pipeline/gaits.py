@@ -12,7 +12,7 @@ from gaitforge.pipeline.certificate import refuse_impossible_speed
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import Try, Workers, cheapest
+from gaitforge.pipeline.tries import Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase
 from gaitforge.task.roles import Locomotive, Role, Tool
@@ -55,8 +55,10 @@ def plan_phase(
     workers = workers or Workers()
     attempts: list[Attempt] = []
     refusals: list[InfeasibleMotion] = []
+    first: Try | None = None
     for patterns in _batches(robot, phase, roles, options, watch, original, attempts):
         tries = [_try(robot, phase, pattern, roles, options, expected_base) for pattern in patterns]
+        first = first or tries[0]
         with watch.stage("motion"):
             results = workers.run(tries)
         plan, left = cheapest(results)
@@ -68,7 +70,8 @@ def plan_phase(
             what = next(r.what for r in results if r.plan is plan)
             watch.progress("motion", f"{phase.name}: {what}, {plan.report.seconds:.2f} s to solve")
             return Segment(plan, phase.cycles, tuple(attempts))
-    raise _give_up(phase, attempts, refusals)
+    with watch.stage("motion"):
+        raise _give_up(phase, attempts, refusals, first)
 
 
 def _try(
@@ -85,18 +88,22 @@ def _try(
         "speed": speed, "heading": phase.heading, "yaw_rate": phase.yaw_rate, "duration": duration, "roles": roles,
         "body_height": phase.body_height, "roll": phase.roll, "pitch": phase.pitch, "posture": phase.posture,
         "step_height": phase.step_height,
-        "expected_base": expected_base, "name": phase.name, "options": options.motion,
+        "expected_base": expected_base, "name": phase.name, "options": unexplained(options.motion),
     }  # fmt: skip
     return Try(what, "gait", robot, (pattern,), named)
 
 
-def _give_up(phase: Phase, attempts: list[Attempt], refusals: list[InfeasibleMotion]) -> Exception:
+def _give_up(
+    phase: Phase, attempts: list[Attempt], refusals: list[InfeasibleMotion], first: Try | None
+) -> Exception:  # fmt: skip
     """A certificate against the one pattern that was asked for is an answer; against some of many it is not."""
     if phase.gait != "auto" and len(refusals) == len(attempts):
         return refusals[0]
+    known = why(first)
+    reason = known.get("text") or attempts[-1].why
     return UnsolvedError(
-        f"gait {phase.name}: none of {len(attempts)} footfall patterns has a motion plan; last: {attempts[-1].why}",
-        exhausted(phase.name, attempts),
+        f"gait {phase.name}: none of {len(attempts)} footfall patterns has a motion plan: {reason}",
+        exhausted(phase.name, attempts, known),
     )
 
 

@@ -15,9 +15,10 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.damage import Damage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.stands import plan_stand
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import plan_change
-from gaitforge.pipeline.tries import Try, Workers, attempt
+from gaitforge.pipeline.tries import Try, Workers, attempt, unexplained
 
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)
@@ -33,12 +34,10 @@ def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Worke
     Raises `UnsolvedError` when there is no plan.
     """
     from gaitforge.footfall.settling import MOST
-    from gaitforge.motion.stand import plan_start
 
     if now.stand is None:
         return []
-    with watch.stage("motion"):
-        start = plan_start(now.robot, gait, name=f"{gait.name}_start", options=now.options.motion)
+    start = plan_stand("start", now.robot, gait, now.options, watch, f"{gait.name}_start")
     at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
     if len(gait.pattern.locomotive) <= MOST:
         return [_settled(now, now.stand, at_rest, watch), Segment(start)]
@@ -70,7 +69,7 @@ def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iter
         column_s = now.robot.nominal.transition_column_s * stretch
         for pattern in _patterns(now, stand, start):
             steps = " ".join(pattern.info["order"])
-            named = {"pattern": pattern, "column_s": column_s, "name": name, "options": options.motion}
+            named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options.motion)}
             yield Try(f"steps {steps}, {column_s:.3f} s a column", "transition", now.robot, (stand, start), named)
 
 

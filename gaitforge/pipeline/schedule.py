@@ -17,6 +17,7 @@ from gaitforge.pipeline.handling import carriage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.restart import plan_restart
 from gaitforge.pipeline.segment import Attempt, Segment
+from gaitforge.pipeline.stands import plan_stand
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import meeting, plan_change
 from gaitforge.pipeline.tries import Workers
@@ -43,8 +44,8 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
             if failure is not None:
                 now = plan_failure(now, gaits[-1].plan, failure, watch, done)
                 walk = now.applied(walk, span.stop)
-    start = _stand("start", load.robot, ends[0], options, watch)
-    stop = _stand("stop", now.robot, ends[-1], now.options, watch)
+    start = plan_stand("start", load.robot, ends[0], options, watch)
+    stop = plan_stand("stop", now.robot, ends[-1], now.options, watch)
     done[:] = load.around(robot, task.scene, [Segment(start), *done, Segment(stop)], watch)
 
 
@@ -138,13 +139,3 @@ def _same_gait(robot: RobotModel, task: Task, one: Phase, other: Phase) -> bool:
         return replace(phase, name="", cycles=0, roles=nonlocomotive(robot, phase, task.scene))
 
     return asked(one) == asked(other)
-
-
-def _stand(which: str, robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopwatch) -> MotionPlan:
-    from gaitforge.motion.stand import plan_start, plan_stop
-
-    plan_stand = plan_start if which == "start" else plan_stop
-    with watch.stage("motion"):
-        plan = plan_stand(robot, gait, options=options.motion)
-    watch.progress("motion", f"{plan.name}: {plan.duration:.2f} s, {plan.report.seconds:.2f} s to solve")
-    return plan

@@ -32,6 +32,6 @@ class Segment:
     left: tuple[Attempt, ...] = ()
 
 
-def exhausted(name: str, attempts: list[Attempt]) -> Mapping[str, Any]:
-    """The `explain` entry of a search that ended with nothing."""
-    return {"segment": name, "tried": [a.as_dict() for a in attempts]}
+def exhausted(name: str, attempts: list[Attempt], why: Mapping[str, Any] | None = None) -> Mapping[str, Any]:
+    """The `explain` entry of a search that ended with nothing; `why`: what is known of its first try."""
+    return {**(why or {}), "segment": name, "tried": [a.as_dict() for a in attempts]}

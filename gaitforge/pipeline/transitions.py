@@ -12,7 +12,7 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import Try, Workers, cheapest
+from gaitforge.pipeline.tries import Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
 
 
@@ -38,7 +38,9 @@ def plan_change(
         _try(robot, before, after, pattern, column_s, name, options)
         for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts, leave)
     )
+    first: Try | None = None
     while batch := list(islice(tries, options.search.transition_batch)):
+        first = first or batch[0]
         with watch.stage("motion"):
             results = workers.run(batch)
         plan, left = cheapest(results)
@@ -49,7 +51,12 @@ def plan_change(
             what = next(r.what for r in results if r.plan is plan)
             watch.progress("motion", f"{name}: {what}, {plan.report.seconds:.2f} s to solve")
             return Segment(plan, 1, tuple(attempts))
-    raise UnsolvedError(f"transition {name}: none of {len(attempts)} tries has a plan", exhausted(name, attempts))
+    with watch.stage("motion"):
+        known = why(first)
+    reason = f": {known['text']}" if known.get("text") else ""
+    raise UnsolvedError(
+        f"transition {name}: none of {len(attempts)} tries has a plan{reason}", exhausted(name, attempts, known)
+    )
 
 
 def _try(
@@ -57,7 +64,7 @@ def _try(
     options: Options,
 ) -> Try:  # fmt: skip
     what = f"{pattern.columns} columns of {column_s:.3f} s, {pattern.changes} changes"
-    named = {"pattern": pattern, "column_s": column_s, "name": name, "options": options.motion}
+    named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options.motion)}
     return Try(what, "transition", robot, meeting(before, after, pattern, options), named)
 
 

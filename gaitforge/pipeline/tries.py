@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Any, Literal
 
 from gaitforge.errors import InfeasibleMotion, UnsolvedError
+from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.segment import Attempt
 from gaitforge.robot.model import RobotModel
@@ -65,6 +66,19 @@ def attempt(one: Try) -> Result:
         return Result(one.what, one.plan(), None, time.perf_counter() - begin)
     except (UnsolvedError, InfeasibleMotion) as error:
         return Result(one.what, None, error, time.perf_counter() - begin)
+
+
+def unexplained(options: MotionOptions | None) -> MotionOptions:
+    """Options for one try of many: why it has no plan is asked of one of them, when all have failed."""
+    return replace(options or MotionOptions(), explain=False)
+
+
+def why(one: Try | None) -> dict[str, Any]:
+    """The ``explain`` entry of a try that has no plan, found by making it again and asking; none for None."""
+    if one is None:
+        return {}
+    told = attempt(replace(one, named={**one.named, "options": replace(one.named["options"], explain=True)}))
+    return {} if told.error is None else dict(told.error.explain)
 
 
 def cheapest(results: Sequence[Result]) -> tuple[MotionPlan | None, list[Attempt]]:

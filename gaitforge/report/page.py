@@ -44,6 +44,7 @@ def write_report_html(
     speed_png: bytes | None = None,
     clash_png: bytes | None = None,
     pictures: Sequence[tuple[str, bytes]] = (),
+    clip: str | None = None,
     log: str = "run.mcap",
     layout: str = "run.layout.json",
 ) -> None:
@@ -55,6 +56,8 @@ def write_report_html(
         As in ``summary.json``.
     pictures
         (caption, PNG) of the simulation.
+    clip
+        Name of an animated picture beside the page; None: there is none.
     log, layout
         Names of the files beside the page.
 
@@ -68,6 +71,7 @@ def write_report_html(
     body = [
         _head(summary),
         _images("Simulation", [p for p in pictures if p[1]]),
+        _clip(clip) if clip else "",
         _segments(summary["segments"]),
         _images("Speed", [(caption, png) for caption, png in speed if png]),
         _images("Footfall", [(caption, png) for caption, png in plots if png]),
@@ -199,6 +203,10 @@ def _images(title: str, images: Sequence[tuple[str, bytes]]) -> str:
     ]
     grid = ' class="pictures"' if len(images) > 1 else ""
     return f"<h2>{title}</h2>\n<div{grid}>" + "\n".join(figures) + "</div>"
+
+
+def _clip(name: str) -> str:
+    return f'<h2>Clip</h2>\n<figure><img alt="The whole run, as fast as it went" src="{escape(name)}"></figure>'
 
 
 def _table(header: Sequence[str], rows: Sequence[Sequence[str]], classes: Sequence[str] = ()) -> str:

@@ -176,29 +176,52 @@ class LimbPoses(NamedTuple):
 
 def evaluate_limb(joints: Array, parameters: Array) -> LimbPoses:
     """Forward kinematics of one limb at (n, n_joints) joint positions."""
-    n, count = joints.shape
-    rotation, position, moment = np.eye(3), np.zeros((n, 3)), np.zeros((n, 3))
-    origins, turns = np.empty((n, count, 3)), np.empty((n, count, 3, 3))
-    c, s = np.cos(joints)[..., None, None], np.sin(joints)[..., None, None]
-    for i in range(count):
-        p = parameters[JOINT_PARAMETERS * i : JOINT_PARAMETERS * (i + 1)]
-        placed, axis = p[:9].reshape(3, 3, order="F"), p[12:15]
-        along = placed @ np.outer(axis, axis)
-        across = placed @ np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-        position = position + rotation @ p[9:12]
-        rotation = rotation @ (along + c[:, i] * (placed - along) + s[:, i] * across)
-        moment = moment + p[15] * position + rotation @ p[16:19]
-        origins[:, i], turns[:, i] = position, rotation
-    foot = position + rotation @ parameters[JOINT_PARAMETERS * count :]
-    return LimbPoses(foot, rotation, moment, origins, turns)
+    return LimbPoses(*(part[0] for part in _forward(joints[None], parameters[None])))
 
 
 def evaluate_limbs(robot: RobotModel, joints: Array) -> dict[int, LimbPoses]:
-    """Limb index → forward kinematics at (n, n_J) joint positions of the robot."""
-    return {
-        i: evaluate_limb(joints[:, robot.joint_indices(limb)], limb_parameters(robot, limb))
-        for i, limb in enumerate(robot.limbs)
-    }
+    """Limb index → forward kinematics at (n, n_J) joint positions of the robot; limbs alike are taken together."""
+    alike: dict[int, list[int]] = {}
+    for i, limb in enumerate(robot.limbs):
+        alike.setdefault(len(limb.joints), []).append(i)
+    poses: dict[int, LimbPoses] = {}
+    for members in alike.values():
+        rows = np.array([robot.joint_indices(robot.limbs[i]) for i in members])
+        found = _forward(
+            joints[:, rows].transpose(1, 0, 2), np.array([limb_parameters(robot, robot.limbs[i]) for i in members])
+        )
+        poses |= {i: LimbPoses(*(part[k] for part in found)) for k, i in enumerate(members)}
+    return {i: poses[i] for i in range(len(robot.limbs))}
+
+
+def _forward(joints: Array, parameters: Array) -> tuple[Array, ...]:
+    """The fields of `LimbPoses` for L limbs: joints (L, n, n_joints), parameters (L, p)."""
+    limbs, n, count = joints.shape
+    rotation, position, moment = np.eye(3), np.zeros((limbs, n, 3)), np.zeros((limbs, n, 3))
+    origins, turns = np.empty((limbs, n, count, 3)), np.empty((limbs, n, count, 3, 3))
+    c, s = np.cos(joints)[..., None, None], np.sin(joints)[..., None, None]
+    for i in range(count):
+        p = parameters[:, None, JOINT_PARAMETERS * i : JOINT_PARAMETERS * (i + 1)]  # (L, 1, …)
+        placed, axis = p[..., :9].reshape(limbs, 1, 3, 3).swapaxes(2, 3), p[..., 12:15]
+        along = placed @ (axis[..., :, None] * axis[..., None, :])
+        across = placed @ _skew(axis)
+        position = position + _turned(rotation, p[..., 9:12])
+        rotation = rotation @ (along + c[:, :, i] * (placed - along) + s[:, :, i] * across)
+        moment = moment + p[..., 15:16] * position + _turned(rotation, p[..., 16:19])
+        origins[:, :, i], turns[:, :, i] = position, rotation
+    foot = position + _turned(rotation, parameters[:, None, JOINT_PARAMETERS * count :])
+    return foot, rotation, moment, origins, turns
+
+
+def _turned(rotation: Array, vector: Array) -> Array:
+    return np.asarray((rotation @ vector[..., None])[..., 0])
+
+
+def _skew(axis: Array) -> Array:
+    """(…, 3, 3) [a]× of (…, 3)."""
+    x, y, z = np.moveaxis(axis, -1, 0)
+    o = np.zeros_like(x)
+    return np.stack([np.stack([o, -z, y], -1), np.stack([z, o, -x], -1), np.stack([-y, x, o], -1)], axis=-2)
 
 
 def feet_in_world(robot: RobotModel, base_poses: Array, joints: Array) -> Array:

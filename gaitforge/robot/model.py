@@ -134,6 +134,11 @@ class RobotModel:
         return pinocchio.buildModelFromXML(self.urdf, pinocchio.JointModelFreeFlyer())
 
     @cached_property
+    def pin_data(self) -> pinocchio.Data:
+        """Scratch memory for Pinocchio's algorithms, which takes longer to make than to use."""
+        return self.pin.createData()
+
+    @cached_property
     def _q_index(self) -> NDArray[np.intp]:
         return np.array([self.pin.joints[self.pin.getJointId(n)].idx_q for n in self.joint_names], dtype=np.intp)
 
@@ -209,7 +214,7 @@ class RobotModel:
     def _data(self, base_pose: ArrayLike, joints: ArrayLike) -> Any:
         import pinocchio
 
-        data = self.pin.createData()
+        data = self.pin_data
         pinocchio.forwardKinematics(self.pin, data, self.configuration(base_pose, joints))
         pinocchio.updateFramePlacements(self.pin, data)
         return data
@@ -235,7 +240,7 @@ class RobotModel:
         """(3,) in the world [m]; (n, 3) for n base poses and joint positions."""
         import pinocchio
 
-        data, q = self.pin.createData(), self.configuration(base_pose, joints)
+        data, q = self.pin_data, self.configuration(base_pose, joints)
         if q.ndim == 1:
             return np.array(pinocchio.centerOfMass(self.pin, data, q))
         return np.array([pinocchio.centerOfMass(self.pin, data, one) for one in q])

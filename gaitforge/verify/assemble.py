@@ -10,6 +10,7 @@ from gaitforge.robot.run_kinematics import run_kinematics
 from gaitforge.task.scene import Scene
 from gaitforge.verify.feet import foot_contacts, foot_of_contacts, last_contact_points
 from gaitforge.verify.grasps import grasp_contacts, laden_com
+from gaitforge.verify.limp import expected_of_limp, limp_feet
 from gaitforge.verify.pointing import pointing
 from gaitforge.verify.recording import Recording
 from gaitforge.verify.support import static_margin
@@ -55,11 +56,14 @@ def assemble_trace(
         slip_speed=slip,
         feet=kinematics.feet,
         com=com,
-        margin=static_margin(com[:, :2], points[:, :, :2], felt.contact),
+        margin=static_margin(com[:, :2], points[:, :, :2], felt.contact & ~limp_feet(timeline, plan.segment)),
         pointing=pointing(timeline, recording.times, kinematics.tools),
         sight=recording.sight,
-        unplanned=unplanned_contacts(
-            robot, recording, scene, foot, other_foot, swing_force, grasp_contacts(robot, timeline, plan, scene)
+        unplanned=expected_of_limp(
+            unplanned_contacts(
+                robot, recording, scene, foot, other_foot, swing_force, grasp_contacts(robot, timeline, plan, scene)
+            ),
+            timeline,
         ),
         images=recording.images,
         objects=recording.objects,

@@ -1,8 +1,14 @@
-"""Pictures of a simulated run: the robot is put where the trace says and drawn off-screen, nothing is stepped."""
+"""Pictures of a simulated run: the robot is put where the trace says and drawn off-screen, nothing is stepped.
+
+PyBullet's TinyRenderer draws them, whichever simulator the trace is from: it needs no display.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -26,6 +32,30 @@ FINER = 2
 """Drawn this many times larger and then made smaller, which softens the edges."""
 
 
+@dataclass(frozen=True)
+class View:
+    """A camera that follows the robot."""
+
+    yaw_deg: float = 35.0
+    """[deg] where it stands: 0 behind the robot, 90 to its right"""
+    pitch_deg: float = -24.0
+    """[deg] down is negative"""
+    distance: float | None = None
+    """[m] from the point looked at; None: 1.8 times the span of the feet, or what a tall robot needs"""
+    ahead: float = 0.0
+    """[m] the point looked at lies this far in front of the robot"""
+
+
+def view_of(scene: Scene) -> View:
+    """From behind, or from ahead where there is something to carry: the trunk would hide it."""
+    return View(yaw_deg=145.0) if any(item.movable for item in scene.objects) else View()
+
+
+def can_draw() -> bool:
+    """Is there a renderer: PyBullet has no wheels for Python 3.12 on."""
+    return find_spec("pybullet") is not None
+
+
 def render(
     robot: RobotModel,
     trace: Trace,
@@ -38,42 +68,53 @@ def render(
     distance: float | None = None,
     ahead: float = 0.0,
 ) -> list[bytes]:
-    """PNG of the robot at each of `times` [s], seen by a camera that follows it.
+    """PNG of the robot at each of `times` [s], seen by a camera that follows it; see `View`.
 
-    size: width, height [pixel].  yaw_deg: where the camera stands, 0 behind the robot, 90 to its
-    right; pitch_deg: down is negative.  distance [m] from the point looked at (by default 1.8 times
-    the span of the feet, or what a tall robot needs); ahead [m]: that point lies this far in front of
-    the robot.  Shapes have the colours of the URDF.
+    size: width, height [pixel].  Shapes have the colours of the URDF.
     """
+    view = View(yaw_deg, pitch_deg, distance, ahead)
+    drawn = (size[0] * FINER, size[1] * FINER)
+    return [png(pixels, size) for pixels in frames(robot, trace, scene, times, drawn, view)]
+
+
+def frames(
+    robot: RobotModel, trace: Trace, scene: Scene, times: Sequence[float], size: tuple[int, int], view: View
+) -> Iterator[NDArray[np.uint8]]:
+    """(height, width, 3) pixels at each of `times` [s], one after the other; size is width, height [pixel]."""
     rows = np.clip(np.searchsorted(trace.times, np.asarray(times, dtype=float)), 0, len(trace.times) - 1)
-    feet = trace.feet[rows[0]] if len(rows) else trace.feet[0]
+    if not len(rows):
+        return
     tall = 1.7 * float(trace.base_poses[0, 2])
-    reach = distance or 1.8 * max(float(np.ptp(feet[:, :2], axis=0).max()), tall)
+    reach = view.distance or 1.8 * max(float(np.ptp(trace.feet[rows[0], :, :2], axis=0).max()), tall)
+    with _studio(robot, scene, trace.base_poses[rows, :2], 1.6 * reach + view.ahead) as world:
+        for row in rows:
+            yield _drawn(world, trace, int(row), size, view, reach)
+
+
+@contextmanager
+def _studio(robot: RobotModel, scene: Scene, path: Array, margin: float) -> Iterator[World]:
+    """Robot and scene on a chequered floor under the path."""
     with direct_client(f"pictures of {robot.name}") as (p, client):
         world = build_world(p, client, robot, scene, friction=1.0)
         p.resetBasePositionAndOrientation(world.ground, [0, 0, -FLOOR_M], [0, 0, 0, 1], physicsClientId=client)
-        _lay_tiles(p, client, trace.base_poses[rows, :2] if len(rows) else np.zeros((1, 2)), 1.6 * reach + ahead)
-        return [_picture(world, trace, int(row), size, (yaw_deg, pitch_deg, reach, ahead)) for row in rows]
+        _lay_tiles(p, client, path, margin)
+        yield world
 
 
-def _picture(
-    world: World, trace: Trace, row: int, size: tuple[int, int], view: tuple[float, float, float, float]
-) -> bytes:
+def _drawn(world: World, trace: Trace, row: int, size: tuple[int, int], view: View, reach: float) -> NDArray[np.uint8]:
     p, pose = world.p, trace.base_poses[row]
-    yaw_deg, pitch_deg, reach, ahead = view
     world.place_robot(pose, trace.joint_positions[row])
     for name, body in world.movable.items():
         place = trace.objects[name][row]
         p.resetBasePositionAndOrientation(body, place[:3], place[3:], physicsClientId=world.client)
-    target = [pose[0] + ahead * np.cos(pose[5]), pose[1] + ahead * np.sin(pose[5]), 0.7 * pose[2]]
-    heading = float(np.degrees(pose[5])) - 90.0 + yaw_deg  # PyBullet's yaw 0 looks along +y
-    look = p.computeViewMatrixFromYawPitchRoll(target, reach, heading, pitch_deg, 0.0, 2)
+    target = [pose[0] + view.ahead * np.cos(pose[5]), pose[1] + view.ahead * np.sin(pose[5]), 0.7 * pose[2]]
+    heading = float(np.degrees(pose[5])) - 90.0 + view.yaw_deg  # PyBullet's yaw 0 looks along +y
+    look = p.computeViewMatrixFromYawPitchRoll(target, reach, heading, view.pitch_deg, 0.0, 2)
     lens = p.computeProjectionMatrixFOV(40.0, size[0] / size[1], 0.05, 4.0 * reach + 5.0)
-    drawn = (size[0] * FINER, size[1] * FINER)
-    pixels = render_pixels(
+    return render_pixels(
         p,
         world.client,
-        drawn,
+        size,
         look,
         lens,
         shadow=True,
@@ -83,7 +124,6 @@ def _picture(
         lightDiffuseCoeff=0.45,
         lightSpecularCoeff=0.05,
     )
-    return png(pixels, size)
 
 
 def _lay_tiles(p: Any, client: int, path: Array, margin: float) -> None:

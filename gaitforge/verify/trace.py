@@ -25,8 +25,8 @@ class UnplannedContact:
     """Largest normal force [N]"""
     end: float = 0.0
     """[s] of the last step of the event"""
-    kind: Literal["trunk", "ground", "swing", "self", "object"] = "ground"
-    """trunk or another link on the ground, a foot on the ground in swing, the robot itself, an object"""
+    kind: Literal["trunk", "ground", "swing", "self", "object", "limp"] = "ground"
+    """trunk or another link on the ground, a foot on it in swing, itself, an object, a limp limb (expected)"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -13,6 +14,7 @@ from gaitforge.motion.bodies import closest_pairs, limb_capsules
 from gaitforge.motion.constraints.clearance import Clearance
 from gaitforge.motion.constraints.effort import Effort
 from gaitforge.motion.constraints.joint_speed import JointSpeed
+from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.problem import Problem
@@ -115,11 +117,17 @@ class Instance:
     x: np.ndarray
 
 
-def instance(segment: Segment, options: MotionOptions | None = None, seed: int = 0, spread: float = 0.05) -> Instance:
-    """Build a segment's problem with joint speeds and clearances added; the point is the guess, disturbed."""
+def instance(
+    segment: Segment,
+    options: MotionOptions | None = None,
+    seed: int = 0,
+    spread: float = 0.05,
+    more: Sequence[Family] = (),
+) -> Instance:
+    """Build a segment's problem with families on request and `more` added; the point is the guess, disturbed."""
     guess = segment.make_guess(segment.grid)
     extra = [JointSpeed(0.7), Effort(0.7), Clearance(near_pairs(segment, guess, 12), 0.004)]
-    problem, trajectory = segment.build(options or MotionOptions(), extra)
+    problem, trajectory = segment.build(options or MotionOptions(), [*extra, *more])
     low, high = problem.bounds
     x = problem.x0 + np.random.default_rng(seed).normal(0.0, spread, problem.size)
     return Instance(problem, trajectory, np.where(low == high, low, x))

@@ -51,7 +51,8 @@ def test_the_distance_of_segments_is_what_minimisation_finds(
     assert 0 <= s <= 1
     assert 0 <= t <= 1
     assert np.linalg.norm(a + s * (b - a) - c - t * (d - c)) == pytest.approx(distance, abs=1e-12)
-    assert distance == pytest.approx(nearest(a, b, c, d), abs=2e-6)
+    least = nearest(a, b, c, d)  # minimisation may stop a little early, never too low
+    assert least - 2e-5 < distance < least + 2e-6
 
 
 @pytest.mark.parametrize(

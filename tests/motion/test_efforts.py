@@ -10,9 +10,13 @@ import pytest
 
 import gaitforge as gf
 from gaitforge.motion.constraints import default_constraints
-from gaitforge.motion.constraints.effort import Effort
+from gaitforge.motion.constraints.effort import Effort, quasi_static_torques
 from gaitforge.motion.effort import effort_ratios, joint_torques
-from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.strength import _too_weak, refuse_weak_modules
+from gaitforge.motion.trajectory import Discretisation
+from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import PATIENT, TRIPOD
 
@@ -81,3 +85,63 @@ def test_a_bound_on_torque_changes_the_gait(hexapod: RobotModel) -> None:
     bound = gf.plan_gait(hexapod, TRIPOD, samples_per_column=2, options=options)
     assert max(effort_ratios(hexapod, bound).values()) <= 0.93 * peak + 1e-6
     assert bound.report.cost > free.report.cost
+
+
+def bounded(share: float) -> MotionOptions:
+    """With the bound, and a body that stays where it is, for a short proof."""
+    return replace(PATIENT, constraints=(*default_constraints(), Effort(share)), tilt_limit=0.03, height_range=0.01)
+
+
+def test_a_robot_too_weak_is_found_before_it_is_switched_on(hexapod: RobotModel) -> None:
+    weak = replace(hexapod, effort=0.03 * hexapod.effort)
+    with pytest.raises(gf.errors.InfeasibleMotion, match="cannot hold hexapod: of 3 feet") as caught:
+        gf.plan_gait(weak, TRIPOD, options=bounded(0.8))
+    assert caught.value.explain["families"] == ["effort"]
+
+
+def strongest_by_brute_force(robot: RobotModel, limb: str, share: float, count: int = 31) -> float:
+    """[N] largest vertical force a limb holds on a fine grid of stances: what a proof must not contradict."""
+    rows = robot.joint_indices(robot.limb(limb))
+    axes = [np.linspace(a, b, count) for a, b in zip(robot.lower[rows], robot.upper[rows], strict=True)]
+    joints = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(rows))
+    joints = joints[::3]
+    geometry, radius = limb_parameters(robot, robot.limb(limb)), robot.limb(limb).foot.radius
+    foot = evaluate_limb(joints, geometry).foot
+    height = robot.nominal.body_height
+    stands = np.abs(radius - foot[:, 2] - height) <= bounded(share).height_range
+    level = np.zeros((int(stands.sum()), 3))
+    weightless, one = (
+        quasi_static_torques(joints[stands], geometry, level, radius, np.full(len(level), f)) for f in (0.0, 1.0)
+    )
+    limits = share * robot.effort[rows]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = np.where(np.abs(weightless) <= limits, (limits + np.abs(weightless)) / np.abs(one - weightless), 0.0)
+    return float(most.min(axis=1).max())
+
+
+def test_no_stance_of_a_limb_that_is_called_too_weak_holds_the_weight(
+    hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gaitforge.motion.strength.MOST_CELLS", 30_000)
+    grid = Discretisation(TRIPOD, 1, 2.0, Command())
+    strongest = strongest_by_brute_force(hexapod, "L2", 0.03)
+    said = [
+        force
+        for force in np.array([0.25, 0.9, 11.0]) * strongest
+        if _too_weak(hexapod, hexapod.limb("L2"), grid, bounded(0.03), 0.03, force)
+    ]
+    assert said, "nothing was proved"
+    assert min(said) > strongest
+
+
+def test_a_robot_that_can_is_not_refused(hexapod: RobotModel, tripod: MotionPlan) -> None:
+    grid = Discretisation(TRIPOD, 1, 2.0, Command())
+    refuse_weak_modules(hexapod, grid, bounded(1.2 * max(effort_ratios(hexapod, tripod).values())))
+    refuse_weak_modules(replace(hexapod, effort=1e-3 * hexapod.effort), grid, MotionOptions())  # no bound was asked for
+
+
+def test_a_plan_beyond_the_effort_limits_says_so(hexapod: RobotModel) -> None:
+    weak = replace(hexapod, effort=0.5 * hexapod.effort)
+    plan = gf.plan_gait(weak, TRIPOD, samples_per_column=2, options=PATIENT)
+    assert plan.report.details["effort_ratio"] > 1.0
+    assert any("of its effort limit" in words for words in plan.relaxed)

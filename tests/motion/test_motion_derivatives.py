@@ -2,37 +2,46 @@
 
 from __future__ import annotations
 
+import importlib
+import inspect
+import pkgutil
 from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 import pytest
 
+from gaitforge.motion import constraints, costs
 from gaitforge.motion.assembly import assemble
+from gaitforge.motion.constraints.locked import Locked
+from gaitforge.motion.constraints.off_ground import OffGround
+from gaitforge.motion.family import Family
 from gaitforge.motion.plan import Command
 from gaitforge.motion.problem import Problem, Term
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import CHANGE, PENTA, Instance, gait_segment, instance, open_segment
 
-CONSTRAINTS = {"kinematics", "center_of_mass", "rolling", "balance", "joint_speed", "effort", "clearance"}
+CONSTRAINTS = {"kinematics", "center_of_mass", "rolling", "balance", "joint_speed", "effort", "clearance", "off_ground"}
+OFF = OffGround((("R1", (0.2, -0.2, -0.05), 0.02),))
+LOCKED = Locked(("L1",))
 COSTS = {"smoothness", "posture", "body", "sharing", "swing"}
 STEP = 1e-5
 
 
 @pytest.fixture(scope="module")
 def turning_gait(hexapod: RobotModel) -> Instance:
-    return instance(gait_segment(hexapod, PENTA, Command(0.06, 0.4, 0.5)))
+    return instance(gait_segment(hexapod, PENTA, Command(0.06, 0.4, 0.5)), more=(OFF,))
 
 
 @pytest.fixture(scope="module")
 def transition(hexapod: RobotModel) -> Instance:
-    return instance(open_segment(hexapod, CHANGE, "transition", seed=5), seed=5)
+    return instance(open_segment(hexapod, CHANGE, "transition", seed=5), seed=5, more=(OFF, LOCKED))
 
 
 @pytest.fixture(scope="module")
 def stand(hexapod: RobotModel) -> Instance:
     pattern = replace(CHANGE, contact=CHANGE.contact[:, -4:])
-    return instance(open_segment(hexapod, pattern, "stand", seed=7, resting=(True, False)), seed=7)
+    return instance(open_segment(hexapod, pattern, "stand", seed=7, resting=(True, False)), seed=7, more=(OFF, LOCKED))
 
 
 @pytest.fixture(params=["turning_gait", "transition", "stand"])
@@ -62,12 +71,24 @@ def close(found: np.ndarray, expected: np.ndarray, what: str) -> None:
 
 
 def test_every_family_is_in_the_cases(turning_gait: Instance, transition: Instance, stand: Instance) -> None:
-    for case, extra in ((turning_gait, set()), (transition, {"progress"}), (stand, {"progress"})):
+    seams = {"progress", "locked"}
+    for case, extra in ((turning_gait, set()), (transition, seams), (stand, seams)):
         constraints = {t.family for t in case.problem.terms if t.rows is not None}
         assert constraints == CONSTRAINTS | extra
         assert {t.family for t in case.problem.terms if t.rows is None} == COSTS
     pairs = {t.kernel.sizes[0] for t in turning_gait.problem.terms if t.family == "clearance"}
     assert pairs == {3, 6}, "a moving body near a resting one, and near another moving one"
+
+
+def test_no_family_of_the_project_is_left_out() -> None:
+    """A family without a place in these cases fails here: in the options' defaults or added by `instance`."""
+    found = set()
+    for package in (constraints, costs):
+        for module in pkgutil.iter_modules(package.__path__):
+            for value in vars(importlib.import_module(f"{package.__name__}.{module.name}")).values():
+                if isinstance(value, type) and issubclass(value, Family) and not inspect.isabstract(value):
+                    found.add(value.name)
+    assert found == (CONSTRAINTS | COSTS | {"progress", "locked"}) - {"center_of_mass"}
 
 
 def test_the_kernels_of_every_family_have_the_derivatives_of_their_values(case: Instance) -> None:
@@ -101,7 +122,7 @@ def _check_kernel(term: Term, v: np.ndarray, p: np.ndarray, rng: np.random.Gener
     close(hessian, bends / (2 * STEP), f"{term.family}: Hessian")
 
 
-@pytest.mark.parametrize("family", [*sorted(CONSTRAINTS | COSTS), "progress", "everything"])
+@pytest.mark.parametrize("family", [*sorted(CONSTRAINTS | COSTS), "progress", "locked", "everything"])
 def test_the_assembled_functions_are_the_sums_and_have_their_derivatives(case: Instance, family: str) -> None:
     problem = case.problem if family == "everything" else only(case.problem, family)
     rng = np.random.default_rng(13)

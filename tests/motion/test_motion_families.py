@@ -202,8 +202,12 @@ def test_clearance_rows_are_squared_distances_of_material_points(case: Instance,
         segment = open_segment(hexapod, CHANGE, "transition", r=2, seed=5)
     pairs = near_pairs(segment, segment.make_guess(segment.grid), 12)
     blocks = [b for b in case.problem.rows if b.family == "clearance"]
-    assert len(pairs) == len(blocks) == 12
-    for pair, block, found in zip(pairs, blocks, rows_of(case, "clearance"), strict=True):
+    values = np.concatenate([np.ravel(rows) for rows in rows_of(case, "clearance")])
+    labels = [label for block in blocks for label in block.labels]
+    lower = np.concatenate([block.lower for block in blocks])
+    assert len(pairs) == len(values) == 12
+    expected = []
+    for pair in pairs:
         k = pair.sample % grid.samples
         data = hexapod.pin.createData()
         pinocchio.forwardKinematics(hexapod.pin, data, hexapod.configuration(np.zeros(6), joints[k]))
@@ -212,9 +216,15 @@ def test_clearance_rows_are_squared_distances_of_material_points(case: Instance,
             assert capsule.limb != BASE
             name = hexapod.limbs[capsule.limb].joints[capsule.joint]
             points.append(data.oMi[hexapod.pin.getJointId(name)].act(point))
-        assert found == pytest.approx(np.sum((points[0] - points[1]) ** 2), abs=1e-9)
-        assert block.lower == pytest.approx([(pair.first.radius + pair.second.radius + 0.004) ** 2])
-        assert trajectory.moving
+        label = f"{pair.first.name}–{pair.second.name} at sample {k}"
+        floor = (pair.first.radius + pair.second.radius + 0.004) ** 2
+        expected.append((label, np.sum((points[0] - points[1]) ** 2), floor))
+    found = sorted(zip(labels, values, lower, strict=True))
+    for (label, value, low), (name, square, floor) in zip(found, sorted(expected), strict=True):
+        assert label == name
+        assert value == pytest.approx(square, abs=1e-9)
+        assert low == pytest.approx(floor)
+    assert trajectory.moving
 
 
 def test_smoothness_is_the_squared_acceleration_over_time(case: Instance) -> None:

@@ -69,11 +69,10 @@ def test_a_robot_that_would_tip_over_is_unsolved_and_the_error_says_who_resists(
         gf.plan_gait(hexapod, FootfallPattern.from_rows(rows), options=QUICK, name="lean")
     explain, message = refusal.value.explain, str(refusal.value)
     assert explain["segment"] == "lean"
-    (family,) = explain["families"]
-    assert family in {"balance", "kinematics", "center_of_mass", "rolling"}
+    assert "balance" in explain["families"]
     assert any(name in explain["where"] for name in hexapod.limb_names)
     assert explain["value"] > 1e-5
-    assert all(word in message for word in ("lean", family, explain["where"], "off by"))
+    assert all(word in message for word in ("lean", explain["where"], "off by", explain["text"]))
     assert refusal.value.exit_code == 5
     assert explain["advice"]
 
@@ -82,7 +81,7 @@ def test_a_step_that_a_limb_cannot_make_is_unsolved_naming_limb_and_sample(hexap
     with pytest.raises(UnsolvedError) as refusal:
         gf.plan_gait(hexapod, TRIPOD, step_height=0.6, options=QUICK)
     explain = refusal.value.explain
-    assert explain["families"] == ["kinematics"]
+    assert set(explain["families"]) & {"kinematics", "joint_speed"}
     limb, sample = explain["where"].strip("()").split(", ")
     assert limb.strip("'") in hexapod.limb_names
     k = int(sample)

@@ -166,6 +166,11 @@ def test_the_page_tells_verdict_speeds_failed_checks_and_how_to_open_the_log(tmp
     assert (tmp_path / "report.html").read_text().count('<tr class="failed">') == 1
 
 
+def test_the_page_shows_the_clip_that_lies_beside_it(tmp_path, summary):
+    write_report_html(tmp_path / "report.html", summary, clip="clip.webp")
+    assert read(tmp_path / "report.html").sources == ["clip.webp"]
+
+
 def test_the_page_of_a_run_without_a_solution_says_why(tmp_path):
     explain = {"families": ["g5", "g9"], "advice": "free a limb"}
     summary = build_summary(robot="r", task="t", status="infeasible", explain=explain)

@@ -1,7 +1,9 @@
 """Pointing, line of sight and pictures of a camera on a limb."""
 
 import io
+import sys
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pinocchio
@@ -12,8 +14,9 @@ from walkers import HEIGHT, OPTICAL, posture, stand_plan, timeline_of, walker
 from gaitforge.motion.timeline import Aim, Timeline
 from gaitforge.robot.model import Capsule, RobotModel
 from gaitforge.task.scene import Scene, SceneObject
+from gaitforge.verify.clips import render_clip
 from gaitforge.verify.mujoco import MujocoSimulator
-from gaitforge.verify.pictures import render
+from gaitforge.verify.pictures import can_draw, render
 from gaitforge.verify.pointing import pointing_angle
 from gaitforge.verify.pybullet import PyBulletSimulator
 from gaitforge.verify.pybullet.camera import focal_length
@@ -152,3 +155,45 @@ def test_pictures_of_a_run_show_the_robot_and_have_the_asked_size(seen: Seen) ->
     middle = pixels[0][30:60, 60:100].reshape(-1, 3).astype(float)
     assert middle.std() > 10.0
     assert render(ROBOT, trace, Scene(), []) == []
+
+
+def test_a_clip_shows_the_run_as_fast_as_it_went_and_shows_it_move() -> None:
+    trace = PyBulletSimulator().run(ROBOT, timeline(AHEAD, duration=0.5), Scene())
+    raised = trace.joint_positions.copy()
+    raised[:, 1::3] -= np.linspace(0.0, 1.0, len(raised))[:, None]
+    lifts = replace(trace, joint_positions=raised)
+    clip = Image.open(io.BytesIO(render_clip(ROBOT, lifts, Scene(), frames_hz=8.0, size=(96, 54))))
+    assert (clip.size, clip.n_frames) == ((96, 54), 4)
+    shown = []
+    for index in range(clip.n_frames):
+        clip.seek(index)
+        shown.append(np.asarray(clip.convert("RGB"), dtype=float))
+        assert clip.info["duration"] == 125
+    assert np.abs(shown[-1] - shown[0]).max() > 30.0
+
+
+def test_a_clip_that_would_show_nothing_is_refused() -> None:
+    trace = PyBulletSimulator(settle_s=0.0).run(ROBOT, timeline(AHEAD, duration=0.1), Scene())
+    with pytest.raises(ValueError, match="shows nothing"):
+        render_clip(ROBOT, trace, Scene(), start=0.2)
+    with pytest.raises(ValueError, match="shows nothing"):
+        render_clip(ROBOT, trace, Scene(), frames_hz=0.0)
+
+
+def test_a_load_is_drawn_where_the_trace_has_it_and_not_where_it_began() -> None:
+    box = SceneObject("box", "box", (0.6, 0.0, 0.05), size=(0.1, 0.1, 0.1), mass=0.5)
+    trace = PyBulletSimulator(settle_s=0.0).run(ROBOT, timeline(AHEAD, duration=0.1), Scene((box,)))
+    lifted = {"box": trace.objects["box"] + [0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.0]}
+    below, above = (
+        np.asarray(Image.open(io.BytesIO(render(ROBOT, t, Scene((box,)), [0.05], (160, 90), yaw_deg=145.0)[0])), float)
+        for t in (trace, replace(trace, objects=lifted))
+    )
+    wood = [(p[..., 0] - p[..., 2] > 40).nonzero()[0] for p in (below, above)]  # rows of pixels more red than blue
+    assert min(map(len, wood)) > 10
+    assert wood[1].mean() < wood[0].mean() - 5.0
+
+
+def test_where_there_is_no_renderer_it_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert can_draw()
+    monkeypatch.setitem(sys.modules, "pybullet", None)
+    assert not can_draw()

@@ -14,9 +14,11 @@ import yaml
 from walkers import HEIGHT, posture, stand_plan, timeline_of, tripod_plan, urdf, walker
 
 from gaitforge.errors import InputError, SimulationError
+from gaitforge.motion.timeline import TimelineSamples
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene, SceneObject
+from gaitforge.verify.execution import planned_rows
 from gaitforge.verify.mujoco import MujocoSimulator
 from gaitforge.verify.mujoco.recorder import robot_contacts
 from gaitforge.verify.mujoco.world import World, build_world
@@ -198,6 +200,42 @@ def test_a_joint_in_the_air_goes_no_faster_than_its_module_can_but_for_what_its_
     weight = 2.0 * 0.15 * 9.81 * 0.15  # [N m] of a thigh and a shin about a hip
     kv = 7.0 / 0.01 / 72.0  # [N m s/rad]
     assert np.quantile(np.abs(trace.joint_velocities[free]), 0.95) < 0.1 + weight / kv
+
+
+def test_a_squeeze_is_the_effort_that_the_timeline_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = walker(3)
+    timeline = timeline_of(robot, (stand_plan(robot, 0.3), 1))
+    strong = MujocoSimulator().run(robot, timeline, Scene())
+    allowed = np.full(18, 0.35)
+
+    def weak(*arguments: object) -> TimelineSamples:
+        plan = planned_rows(*arguments)  # type: ignore[arg-type]
+        return replace(plan, efforts=np.tile(allowed, (len(plan.times), 1)))
+
+    monkeypatch.setattr("gaitforge.verify.mujoco.simulator.planned_rows", weak)
+    squeezed = MujocoSimulator().run(robot, timeline, Scene())
+    assert np.abs(strong.joint_torques).max() > 0.35
+    assert np.abs(squeezed.joint_torques).max() == pytest.approx(0.35)
+
+
+def box_between_palms(friction: float) -> float:
+    """Path [m] in half a second, downwards, of a box of 0.5 kg that two of 1 kg press between them with 10 N."""
+    held = SceneObject("held", "box", (3.0, 0.0, 2.0), size=(0.1, 0.1, 0.1), mass=0.5)
+    palms = [SceneObject(n, "box", (3.0, y, 2.0), size=(0.1, 0.1, 0.1), mass=1.0) for n, y in (("a", 0.1), ("b", -0.1))]
+    world = world_of(walker(2), held, *palms, friction=friction)
+    world.place_robot([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], posture(2))
+    bodies = [int(world.model.jnt_bodyid[list(world.model.jnt_qposadr).index(world.movable[n])]) for n in ("a", "b")]
+    for _ in range(250):
+        for body, push in zip(bodies, (-10.0, 10.0), strict=True):
+            world.data.xfrc_applied[body, :3] = [0.0, push, 1.25 * 9.81]  # its own weight and half the box's
+        mujoco.mj_step(world.model, world.data)
+    return float(2.0 - world.data.qpos[world.movable["held"] + 2])
+
+
+def test_friction_holds_a_box_while_it_bears_its_weight_and_not_when_it_is_too_small() -> None:
+    assert abs(box_between_palms(0.5)) < 0.005  # two contacts carry 2 · 0.5 · 10 N, the box weighs 4.9 N
+    braked, free = 0.5 * (9.81 - 2 * 0.05 * 10.0 / 0.5) * 0.5**2, 0.5 * 9.81 * 0.5**2  # [m]; it leaves the palms
+    assert braked < box_between_palms(0.05) < free
 
 
 def test_a_pipe_is_hollow_and_its_wall_is_solid() -> None:

@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitforge.motion.bodies import BASE, Closest, LimbCapsule
 from gaitforge.motion.family import Family
@@ -17,11 +18,12 @@ from gaitforge.robot.kinematics import limb_forward, parameter_size
 
 @dataclass(frozen=True)
 class Clearance(Family):
-    """|p_a − p_b|² ≥ (r_a + r_b + margin + dip)² for material points that were found too close.
+    """|p_a − p_b| ≥ r_a + r_b + margin + dip for material points that were found too close.
 
     Added by refinement, where the dense check found two bodies near each other: the points are those
     that were nearest then, so after another solve there may be new ones.  What the gap lost between the
-    samples, the dip, is asked for on top at the sample.
+    samples, the dip, is asked for on top at the sample.  Written on squares; where two axes (nearly) crossed,
+    the square has no gradient and no side to leave to, so n · (p_a − p_b) is bounded, n from hip to hip.
     """
 
     name: ClassVar[str] = "clearance"
@@ -33,31 +35,52 @@ class Clearance(Family):
 
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """One row a pair of points."""
+        alike: dict[tuple[Any, ...], list[_Place]] = {}
         for pair in self.pairs:
-            self._add_pair(problem, trajectory, pair)
+            place = _place(trajectory, pair, self.margin)
+            if len(place.variables):
+                alike.setdefault(place.shape, []).append(place)
+        for shape, places in alike.items():
+            crossed = shape[0]
+            floors = np.array([[p.floor if crossed else p.floor**2] for p in places])
+            unit = "m" if crossed else self.unit
+            rows = problem.add_rows(self.name, floors, np.inf, floors.shape, unit, [p.label for p in places])
+            variables, parameters = np.stack([p.variables for p in places]), np.stack([p.parameters for p in places])
+            build = partial(_instant, crossed=crossed, shapes=shape[1:])
+            compiled = kernel(("clear", *shape), variables.shape[1], parameters.shape[1], build)
+            problem.add_term(self.name, compiled, variables, parameters, rows)
 
-    def _add_pair(self, problem: Problem, trajectory: Trajectory, pair: Closest) -> None:
-        k = pair.sample % trajectory.grid.samples
-        variables, parameters, shape = [], [], []
-        for capsule, point in ((pair.first, pair.first_point), (pair.second, pair.second_point)):
-            if capsule.limb in trajectory.moving:
-                index = trajectory.joints[capsule.limb][k]
-                variables.append(index)
-                parameters += [trajectory.parameters[capsule.limb], point]
-                shape.append((len(index), capsule.joint))
-            else:
-                parameters.append(_resting_point(trajectory, capsule, point))
-                shape.append((0, BASE))
-        if not variables:
-            return
-        floor = pair.first.radius + pair.second.radius + self.margin + pair.dip
-        label = f"{pair.first.name}–{pair.second.name} at sample {k}"
-        row = problem.add_rows(self.name, floor**2, np.inf, (1, 1), self.unit, [label])
-        flat = np.concatenate(parameters)
-        compiled = kernel(
-            ("clear", *shape), sum(len(v) for v in variables), len(flat), partial(_instant, shapes=tuple(shape))
-        )
-        problem.add_term(self.name, compiled, np.concatenate(variables)[None], flat[None], row)
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """One pair of points of a problem."""
+
+    shape: tuple[Any, ...]
+    """(whether the axes crossed, (joints, joint) of both bodies)"""
+    variables: NDArray[np.intp]
+    parameters: NDArray[np.float64]
+    floor: float
+    label: str
+
+
+def _place(trajectory: Trajectory, pair: Closest, margin: float) -> _Place:
+    k = pair.sample % trajectory.grid.samples
+    crossed = pair.side is not None
+    variables, parameters, shape = [np.zeros(0, dtype=np.intp)], [], []
+    for capsule, point in ((pair.first, pair.first_point), (pair.second, pair.second_point)):
+        if capsule.limb in trajectory.moving:
+            index = trajectory.joints[capsule.limb][k]
+            variables.append(index)
+            parameters += [trajectory.parameters[capsule.limb], point]
+            shape.append((len(index), capsule.joint))
+        else:
+            parameters.append(_resting_point(trajectory, capsule, point))
+            shape.append((0, BASE))
+    if pair.side is not None:
+        parameters.append(pair.side)
+    floor = pair.first.radius + pair.second.radius + margin + pair.dip
+    label = f"{pair.first.name}–{pair.second.name} at sample {k}"
+    return _Place((crossed, *shape), np.concatenate(variables), np.concatenate(parameters), floor, label)
 
 
 def _resting_point(trajectory: Trajectory, capsule: LimbCapsule, point: Any) -> Any:
@@ -70,7 +93,7 @@ def _resting_point(trajectory: Trajectory, capsule: LimbCapsule, point: Any) -> 
     return pose.origins[0, capsule.joint] + pose.turns[0, capsule.joint] @ point
 
 
-def _instant(v: Any, p: Any, shapes: tuple[tuple[int, int], ...]) -> Any:
+def _instant(v: Any, p: Any, crossed: bool, shapes: tuple[tuple[int, int], ...]) -> Any:
     import casadi as ca
 
     points, at, used = [], 0, 0
@@ -83,4 +106,5 @@ def _instant(v: Any, p: Any, shapes: tuple[tuple[int, int], ...]) -> Any:
         state = limb_forward(v[at : at + count], p[used : used + size])
         points.append(state.origins[joint] + state.turns[joint] @ p[used + size : used + size + 3])
         at, used = at + count, used + size + 3
-    return ca.sumsqr(points[0] - points[1])
+    apart = points[0] - points[1]
+    return ca.dot(p[used : used + 3], apart) if crossed else ca.sumsqr(apart)

@@ -12,7 +12,8 @@ from gaitforge.motion.constraints.balance import GRAVITY
 from gaitforge.motion.family import Family
 from gaitforge.motion.problem import Problem, kernel
 from gaitforge.motion.trajectory import Trajectory
-from gaitforge.robot.kinematics import JOINT_PARAMETERS, limb_forward, parameter_size, rpy_rotation
+from gaitforge.robot.kinematics import JOINT_PARAMETERS, evaluate_limb, limb_forward, parameter_size, rpy_rotation
+from gaitforge.robot.rotation import matrices
 
 
 @dataclass(frozen=True)
@@ -121,10 +122,13 @@ def quasi_static_torques(
     force: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """(m, n) [N m]: `limb_torques` of one limb at m configurations: joints (m, n), rpy (m, 3), force (m,)."""
-    import casadi as ca
-
-    places, count = joints.shape
-    q, p, r, f = (ca.SX.sym(name, size) for name, size in (("q", count), ("p", len(geometry)), ("r", 3), ("f", 1)))
-    one = ca.Function("torques", [q, p, r, f], [limb_torques(q, p, r, radius, f, GRAVITY)])
-    out = one.map(places)(joints.T, np.tile(geometry[:, None], (1, places)), rpy.T, force[None])
-    return np.asarray(np.array(out).T, dtype=float)
+    poses, up = evaluate_limb(joints, geometry), matrices(rpy)[:, 2]
+    contact, torques = poses.foot - radius * up, np.empty(joints.shape)
+    mass, moment = 0.0, np.zeros((len(joints), 3))
+    for k in reversed(range(joints.shape[1])):
+        p, origin, turn = geometry[JOINT_PARAMETERS * k :], poses.origins[:, k], poses.turns[:, k]
+        mass = mass + p[15]
+        moment = moment + p[15] * origin + turn @ p[16:19]
+        lever = (contact - origin) * force[:, None] - GRAVITY * (moment - mass * origin)
+        torques[:, k] = -np.einsum("mi,mi->m", np.cross(up, turn @ p[12:15]), lever)  # a · (l × u) = (u × a) · l
+    return torques

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
 from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.feet import CONTACT_N
+from gaitforge.verify.limp import limp_feet
 from gaitforge.verify.support import bridged, static_margin
 
 Array = NDArray[np.float64]
@@ -41,7 +42,8 @@ class Slip(SegmentCheck):
         rows, trace = segment.judged, segment.trace
         worst = max(
             slip_per_stance(trace.slip_speed[rows, foot], trace.plan.contact[rows, foot], segment.dt)
-            for foot in range(trace.slip_speed.shape[1])
+            for foot, limb in enumerate(segment.robot.limb_names)
+            if limb not in segment.entry.plan.limp
         )
         return Finding.at_most(1000.0 * worst, segment.limit.slip_mm, "mm")
 
@@ -55,8 +57,23 @@ class UnplannedContacts(SegmentCheck):
 
     def find(self, segment: Segment) -> Finding:
         start, end = segment.entry.start, segment.entry.end
-        events = [e for e in segment.trace.unplanned if e.time < end and e.end >= start]
+        events = [e for e in segment.trace.unplanned if e.time < end and e.end >= start and e.kind != "limp"]
         return Finding.at_most(len(events), 0, "events")
+
+
+@dataclass(frozen=True)
+class LimpContacts(SegmentCheck):
+    """Number of contacts of limp limbs, with whatever; none where no limb is limp."""
+
+    name: ClassVar[str] = "limp_contact"
+    title: ClassVar[str] = "contacts of limp limbs"
+
+    def find(self, segment: Segment) -> Finding | None:
+        if not segment.entry.plan.limp:
+            return None
+        start, end = segment.entry.start, segment.entry.end
+        events = [e for e in segment.trace.unplanned if e.time < end and e.end >= start and e.kind == "limp"]
+        return Finding(len(events), None, "events")
 
 
 @dataclass(frozen=True)
@@ -77,7 +94,8 @@ class StaticMargin(SegmentCheck):
         trace, rows = segment.trace, segment.judged
         height = float(np.median(trace.com[rows, 2]))
         steps = int(np.sqrt(max(height, 0.0) / GRAVITY) / segment.dt)
-        holds = bridged(trace.normal_force > CONTACT_N, steps)[rows]
+        bears = (trace.normal_force > CONTACT_N) & ~limp_feet(segment.timeline, trace.plan.segment)
+        holds = bridged(bears, steps)[rows]
         margin = static_margin(trace.com[rows, :2], trace.contact_points[rows, :, :2], holds)
         value = lasting_minimum(margin, max(round(segment.limits.margin_hold_s / segment.dt), 1))
         laden = any(holding.mass > 0.0 for holding in segment.entry.plan.holdings)

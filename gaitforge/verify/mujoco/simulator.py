@@ -55,6 +55,8 @@ class MujocoSimulator:
     """[m] penetration over which a contact grows to its full stiffness"""
     impedance_ratio: float = 100.0
     """[-] stiffness of friction over that of the normal direction: the larger, the less stance feet creep"""
+    limp_friction: float = 0.2
+    """[N m] dry friction of a joint whose motor is off: that of the series-elastic module's public URDF"""
     settle_s: float = 0.5
     """[s] standing still before the timeline begins"""
     name: str = "mujoco"
@@ -69,7 +71,7 @@ class MujocoSimulator:
             "contact_depth",
             "impedance_ratio",
         )
-        other = ("velocity_feedforward", "friction", "torsional_friction", "settle_s")
+        other = ("velocity_feedforward", "friction", "torsional_friction", "limp_friction", "settle_s")
         values = {key: getattr(self, key) for key in (*positive, *other)}
         bad = [Problem("verify", k, repr(values[k]), "a number above 0") for k in positive if not values[k] > 0]
         bad += [Problem("verify", k, repr(values[k]), "a number not below 0") for k in other if not values[k] >= 0]
@@ -140,4 +142,6 @@ class MujocoSimulator:
         q = world.data.qpos[world.positions]
         wanted = np.clip(self.servo_rate * (positions - q) + speeds, -robot.velocity, robot.velocity)
         world.data.ctrl[:] = q + wanted / self.servo_rate
-        world.model.actuator_forcerange[:, 0], world.model.actuator_forcerange[:, 1] = -efforts, efforts
+        off = efforts == 0.0  # a motor that is off resists every motion with its friction
+        world.data.ctrl[off], most = q[off], np.where(off, self.limp_friction, efforts)
+        world.model.actuator_forcerange[:, 0], world.model.actuator_forcerange[:, 1] = -most, most

@@ -49,6 +49,8 @@ class PyBulletSimulator:
     friction_cone: bool = False
     """True: Coulomb's cone, which wants solver_iterations = 500 where many stiff limbs stand. False: the
     four-sided pyramid inside the cone, which converges five times sooner and never grips more than the cone"""
+    limp_friction: float = 0.2
+    """[N m] dry friction of a joint whose motor is off: that of the series-elastic module's public URDF"""
     settle_s: float = 0.5
     """[s] standing still before the timeline begins"""
     camera_hz: float = 0.0
@@ -63,7 +65,9 @@ class PyBulletSimulator:
         object.__setattr__(self, "camera_size", tuple(int(v) for v in self.camera_size))
         positive = {k: getattr(self, k) for k in ("rate_hz", "solver_iterations", "position_gain", "camera_fov_deg")}
         bad = [Problem("verify", k, repr(v), "a number above 0") for k, v in positive.items() if not v > 0]
-        other = {k: getattr(self, k) for k in ("velocity_feedforward", "friction", "settle_s", "camera_hz")}
+        other = {
+            k: getattr(self, k) for k in ("velocity_feedforward", "friction", "limp_friction", "settle_s", "camera_hz")
+        }
         bad += [Problem("verify", k, repr(v), "a number not below 0") for k, v in other.items() if not v >= 0]
         if len(self.camera_size) != 2 or min(self.camera_size) < 1:
             bad.append(Problem("verify", "camera_size", repr(self.camera_size), "width and height [pixel]"))
@@ -142,8 +146,12 @@ class PyBulletSimulator:
     def _command(self, world: World, robot: RobotModel, positions: Array, velocities: Array, efforts: Array) -> None:
         set_motor: Any = world.p.setJointMotorControl2
         body, mode, client, gain = world.robot, world.p.POSITION_CONTROL, world.client, self.position_gain
+        off, friction = world.p.VELOCITY_CONTROL, self.limp_friction
         rows = zip(world.joints, positions.tolist(), velocities.tolist(), efforts.tolist(), robot.velocity, strict=True)
         for joint, q, dq, effort, speed in rows:
+            if not effort:  # a motor that is off resists every motion with its friction
+                set_motor(body, joint, off, targetVelocity=0.0, force=friction, physicsClientId=client)
+                continue
             set_motor(
                 body,
                 joint,

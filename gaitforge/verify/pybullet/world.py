@@ -26,6 +26,8 @@ MAX_JOINTS = 127
 TORSION_M = 0.01
 """[m] torque about the normal of a contact with a movable object, per newton of normal force: what the patch of a
 rubber tip some 15 mm across gives"""
+STEEL, WOOD = (0.62, 0.65, 0.69, 1.0), (0.80, 0.58, 0.36, 1.0)
+"""Colours of what stands fast and of what can be carried."""
 MASS_TOLERANCE = 1e-6
 """Relative"""
 
@@ -178,8 +180,9 @@ def _prepare_robot(world: World, friction: float, movable: list[int]) -> None:
         p.setJointMotorControl2(world.robot, joint, p.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
 
 
-def add_object(p: Any, client: int, item: SceneObject, color: tuple[float, ...] = (0.62, 0.65, 0.69, 1.0)) -> int:
+def add_object(p: Any, client: int, item: SceneObject) -> int:
     """One body made of the object's boxes; mass 0 stands fast."""
+    color = WOOD if item.movable else STEEL
     boxes = boxes_of(item)
     half = [[0.5 * s for s in box.size] for box in boxes]
     places = {

@@ -1,0 +1,83 @@
+"""Limbs lost: which subsets of them, how, and what the rest of the robot makes of it."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, cast
+
+import numpy as np
+
+from gaitforge.errors import InputError, Problem
+from gaitforge.experiment.experiment import Experiment, Job, Row
+from gaitforge.experiment.gaits import robot_called
+from gaitforge.experiment.loss import LossJob
+from gaitforge.report.results_page import Column
+from gaitforge.task.roles import MODES, Mode
+
+COLUMNS = (
+    Column("robot", "robot"), Column("limbs", "lost"), Column("mode", "mode"), Column("at", "at", 1.0, 2),
+    Column("simulator", "simulator"), Column("status", "status"), Column("proof", "proof"),
+    Column("speed_m_s", "speed [cm/s]", 100.0), Column("speed_planned_m_s", "planned [cm/s]", 100.0),
+    Column("margin_m", "margin [mm]", 1e3, 1), Column("tilt_worst_deg", "tilt [°]"), Column("failed", "failed checks"),
+    Column("source", "pattern"), Column("columns", "columns"), Column("plan_s", "planned in [s]", 1.0, 1),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Failures(Experiment):
+    """Subsets of the limbs of each robot, by how many are lost; all of them or a seeded sample."""
+
+    robots: Mapping[str, Mapping[int, int | None]]
+    """Robot → number of limbs lost → how many such subsets (None: all of them)."""
+    modes: tuple[Mode, ...] = ("locked",)
+    cycles: tuple[int, int] = (1, 4)
+    """Of the gaits before and after."""
+    seed: int = 0
+    """Of the subsets that are drawn, and of the moments at which limbs fail"""
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        return COLUMNS
+
+    def jobs(self) -> Sequence[Job]:
+        """Every subset in every mode; `InputError` for robots, numbers and modes that do not exist."""
+        wrong = [m for m in self.modes if m not in MODES]
+        if wrong or not self.modes:
+            raise InputError(Problem("experiment", "modes", repr(list(self.modes)), "some of " + ", ".join(MODES)))
+        return cast("list[Job]", [
+            LossJob(robot, limbs, mode, self.cycles, self.seed)
+            for robot, counts in self.robots.items()
+            for limbs in self._subsets(robot, counts)
+            for mode in self.modes
+        ])  # fmt: skip
+
+    def _subsets(self, robot: str, counts: Mapping[int, int | None]) -> Iterator[tuple[str, ...]]:
+        names = robot_called(robot).limb_names
+        for lost, most in sorted((int(k), v) for k, v in counts.items()):
+            key = f"robots.{robot}.{lost}"
+            if not 1 <= lost <= len(names) or (most is not None and most < 1):
+                expected = f"a number of limbs, 1…{len(names)}: how many subsets, or null for all"
+                raise InputError(Problem("experiment", key, repr(most), expected))
+            total = math.comb(len(names), lost)
+            drawn = np.random.default_rng([self.seed, lost]).permutation(total)[:most]
+            chosen = set(drawn.tolist())
+            yield from (limbs for i, limbs in enumerate(combinations(names, lost)) if i in chosen)
+
+    def told(self, row: Row) -> str:
+        """Status, and why it is not verified."""
+        why = row.get("proof") or row.get("error") or "; ".join(row.get("failed") or ())
+        return f"{row['status']}{': ' if why else ''}{why or ''}"
+
+    def picture(self, rows: Sequence[Row]) -> bytes | None:
+        """How many subsets came to what, by robot and number of lost limbs."""
+        from gaitforge.report.losses_plot import losses_png
+
+        return losses_png(rows) if rows else None
+
+    def made_of(self) -> Mapping[str, Any]:
+        """Every robot's URDF."""
+        return {name: hashlib.sha256(robot_called(name).urdf.encode()).hexdigest() for name in self.robots}

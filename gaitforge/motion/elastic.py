@@ -1,0 +1,98 @@
+"""The point that violates a motion problem least: which rows have no room, and by how much.
+
+    minimise f(x) + Σ ρ (s⁺ + s⁻)   subject to   l ≤ c(x) + s⁺ − s⁻ ≤ u,   s⁺, s⁻ ≥ 0
+
+An ℓ₁ price leaves few rows violated (Chinneck & Dravnieks 1991; the elastic mode of SNOPT): those that
+are in the way of all others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitforge.motion.problem import Problem, Rows, kernel
+from gaitforge.motion.solvers.solution import Solution
+from gaitforge.motion.solvers.structured import Structured
+
+Array = NDArray[np.float64]
+DEFINITIONS = ("center_of_mass",)
+"""Rows that define a variable rather than ask for something"""
+PRICE = {"m": 1e3, "rad": 2e2, "m²": 5e3, "1": 2e2}
+"""ρ per unit: about one for what is noticed, a millimetre or a third of a degree"""
+SOLVER = Structured(max_iterations=80, tolerance=1e-4, gap=1e-3, patience=40, fallback=None)
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One row that is in the way."""
+
+    family: str
+    label: Any
+    component: int
+    """Which of the rows with this label"""
+    amount: float
+    """By how much the row's value has to be moved; negative: it is too large"""
+    unit: str
+
+
+def least_violation(problem: Problem, solver: Structured = SOLVER) -> tuple[Solution, list[Violation]]:
+    """The elastic problem's solution, and the rows that it still violates, the worst priced first."""
+    relaxed, slack, blocks = _elastic(problem)
+    solution = solver.solve(relaxed)
+    pulled = solution.x[slack]
+    amounts = pulled[:, 0] - pulled[:, 1]
+    found, at = [], 0
+    for block in blocks:
+        count = len(block.lower)
+        for row in np.flatnonzero(np.abs(amounts[at : at + count]) * _price(block) > 0.3):
+            label, amount = block.labels[row], float(amounts[at + row])
+            found.append((Violation(block.family, label, _component(block, int(row)), amount, block.unit), block))
+        at += count
+    found.sort(key=lambda item: -abs(item[0].amount) * _price(item[1]))
+    return solution, [violation for violation, _ in found]
+
+
+def _price(block: Rows) -> float:
+    return PRICE.get(block.unit, PRICE["1"])
+
+
+def _component(block: Rows, row: int) -> int:
+    """Rows with the same label stand together."""
+    first = row
+    while first and block.labels[first - 1] is block.labels[row]:
+        first -= 1
+    return row - first
+
+
+def _elastic(problem: Problem) -> tuple[Problem, NDArray[np.intp], list[Rows]]:
+    """The relaxed problem, (rows, 2) its slacks, and the blocks that they belong to, in this order."""
+    relaxed = replace(
+        problem, guess=list(problem.guess), lower=list(problem.lower), upper=list(problem.upper),
+        rows=list(problem.rows), terms=list(problem.terms),
+    )  # fmt: skip
+    blocks = [block for block in problem.rows if block.family not in DEFINITIONS]
+    rows = np.concatenate([np.arange(b.start, b.start + len(b.lower)) for b in blocks])
+    price = np.concatenate([np.full(len(b.lower), _price(b)) for b in blocks])
+    short = _shortfall(problem, blocks)
+    start = np.stack([np.maximum(short, 0.0), np.maximum(-short, 0.0)], axis=1) + 1e-4
+    slack = relaxed.add_variables(start, 0.0, np.inf)
+    relaxed.add_term("elastic", kernel("elastic", 2, 0, lambda v, p: v[0] - v[1]), slack, np.zeros(0), rows[:, None])
+    relaxed.add_term("elastic", kernel("elastic_price", 2, 1, lambda v, p: p[0] * (v[0] + v[1])), slack, price[:, None])
+    return relaxed, slack, blocks
+
+
+def _shortfall(problem: Problem, blocks: list[Rows]) -> Array:
+    """What the rows of the starting point lack (> 0) or have too much (< 0)."""
+    low, high = problem.bounds
+    values = problem.constraint_values(np.clip(problem.x0, low, high))
+    parts = [values[b.start : b.start + len(b.lower)] for b in blocks]
+    return np.concatenate(
+        [
+            np.maximum(b.lower - part, 0.0) - np.maximum(part - b.upper, 0.0)
+            for b, part in zip(blocks, parts, strict=True)
+        ]
+    )

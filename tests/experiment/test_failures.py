@@ -1,0 +1,68 @@
+"""Subsets of lost limbs as data."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any
+
+import pytest
+
+from gaitforge.errors import InputError
+from gaitforge.experiment.experiment import Tools
+from gaitforge.experiment.failures import Failures
+from gaitforge.experiment.gaits import robot_called
+from gaitforge.experiment.loss import LossJob
+from gaitforge.pipeline.options import Options
+from gaitforge.report.losses_plot import losses_png
+
+OPTIONS = Options(simulator=None, recorder=None)  # type: ignore[arg-type]  # what is proven is not simulated
+
+
+def failures(**more: Any) -> Failures:
+    return Failures(**{"title": "t", "simulators": {"none": None}, "robots": {"hexapod": {2: None}}, **more})
+
+
+def lost(experiment: Failures) -> list[tuple[str, ...]]:
+    return [job.limbs for job in experiment.jobs() if isinstance(job, LossJob)]
+
+
+def test_all_subsets_are_all_combinations() -> None:
+    names = robot_called("hexapod").limb_names
+    every = failures(robots={"hexapod": {1: None, 2: None, 3: None}})
+    assert lost(every) == [c for k in (1, 2, 3) for c in combinations(names, k)]
+    assert len(lost(failures(robots={"dodecapod": {1: None, 2: None, 3: None, 4: None}}))) == 793
+
+
+def test_a_sample_is_some_of_them_drawn_from_the_seed() -> None:
+    robots = {"dodecapod": {3: 7}}
+    one, again, other = (lost(failures(robots=robots, seed=seed)) for seed in (1, 1, 2))
+    assert len(set(one)) == 7
+    assert one == again
+    assert one != other
+    assert set(one) <= set(combinations(robot_called("dodecapod").limb_names, 3))
+
+
+def test_every_mode_of_a_subset_is_a_job_of_its_own() -> None:
+    jobs = failures(modes=("locked", "limp"), robots={"hexapod": {1: 1}}).jobs()
+    assert [job.key.split(".")[2] for job in jobs] == ["locked", "limp"]
+    assert len({job.key for job in jobs}) == 2
+
+
+@pytest.mark.parametrize("more", [{"modes": ("broken",)}, {"modes": ()}, {"robots": {"hexapod": {7: None}}},
+                                  {"robots": {"hexapod": {1: 0}}}])  # fmt: skip
+def test_what_makes_no_sense_is_refused(more: dict[str, Any]) -> None:
+    with pytest.raises(InputError):
+        failures(**more).jobs()
+
+
+@pytest.mark.parametrize("limbs", [("L1", "L2"), ("R1", "R3"), ("L1", "R2", "L3")])
+def test_a_hexapod_that_cannot_walk_any_more_is_a_measured_row_with_a_proof(limbs: tuple[str, ...]) -> None:
+    (row,) = LossJob("hexapod", limbs, "locked").measure(Tools(OPTIONS, {}))
+    assert (row["status"], row["settled"], row["verified"]) == ("infeasible", True, False)
+    assert row["proof"].startswith("{g")
+
+
+def test_the_picture_is_the_same_for_the_same_rows() -> None:
+    rows = [{"robot": "hexapod", "mode": "locked", "lost": k, "status": s} for k, s in ((1, "verified"), (2, "x"))]
+    assert losses_png(rows)[:4] == b"\x89PNG"
+    assert losses_png(rows) == losses_png(list(rows))
