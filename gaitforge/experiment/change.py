@@ -7,20 +7,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
+from gaitforge.errors import UnsolvedError
 from gaitforge.experiment.experiment import Row, Tools
-from gaitforge.experiment.gaits import GaitCase, PlannedGait, begun_at, robot_called
+from gaitforge.experiment.gaits import GaitCase, PlannedGait, robot_called
 from gaitforge.experiment.judged import change_row
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.task.scene import Scene
 
 if TYPE_CHECKING:
+    from gaitforge.motion.plan import MotionPlan
     from gaitforge.motion.timeline import Timeline
+    from gaitforge.pipeline.options import Options
     from gaitforge.pipeline.segment import Segment
 
 
 @dataclass(frozen=True, eq=False)
 class ChangeJob:
-    """Start, gait a, the transition, gait b, stop."""
+    """Start, gait a, the transition, gait b.
+
+    The first gait is left where that is best; where the robot cannot start the gait as it is begun then, it is left at
+    its own seam.  The run ends while it walks.
+    """
 
     before: GaitCase
     after: GaitCase
@@ -70,7 +77,6 @@ class ChangeJob:
 
     def _planned(self, tools: Tools) -> tuple[Segment, Timeline]:
         from gaitforge.motion.timeline_build import build_timeline
-        from gaitforge.pipeline.transitions import meeting, plan_change
 
         assert self.plans is not None
         for plan in self.plans:
@@ -78,10 +84,23 @@ class ChangeJob:
                 raise plan
         old, new = (plan for plan in self.plans if isinstance(plan, PlannedGait))
         search = replace(tools.options.search, transition_phases=self.phases)
-        robot, options = robot_called(self.before.robot), replace(tools.options, transition=self.method, search=search)
-        change = plan_change(robot, old.plan, new.plan, options, Stopwatch())
-        met = meeting(old.plan, new.plan, change.plan.pattern, options)
-        old, new = (begun_at(robot, planned, plan, options) for planned, plan in zip((old, new), met, strict=True))
+        options = replace(tools.options, transition=self.method, search=search)
+        try:
+            change, parts = self._joined(old, new, options, None)
+        except UnsolvedError:
+            change, parts = self._joined(old, new, options, 0)
+        return change, build_timeline(robot_called(self.before.robot), parts, Scene())
+
+    def _joined(
+        self, old: PlannedGait, new: PlannedGait, options: Options, leave: int | None
+    ) -> tuple[Segment, list[tuple[MotionPlan, int]]]:
+        from gaitforge.motion.stand import plan_start
+        from gaitforge.pipeline.transitions import meeting, plan_change
+
+        robot = robot_called(self.before.robot)
+        change = plan_change(robot, old.plan, new.plan, options, Stopwatch(), leave=leave)
+        before, after = meeting(old.plan, new.plan, change.plan.pattern, options)
+        same = before is old.plan or change.plan.pattern.info.get("from_column") == 0
+        start = old.start if same else plan_start(robot, before, options=options.motion)
         first, last = self.cycles
-        parts = [(old.start, 1), (old.plan, first), (change.plan, 1), (new.plan, last), (new.stop, 1)]
-        return change, build_timeline(robot, parts, Scene())
+        return change, [(start, 1), (before, first), (change.plan, 1), (after, last)]

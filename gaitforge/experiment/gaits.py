@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -37,13 +37,12 @@ class GaitCase:
 
 @dataclass(frozen=True, eq=False)
 class PlannedGait:
-    """A gait, and how the robot starts and stops it."""
+    """A gait, and how the robot starts it from a stand."""
 
     plan: MotionPlan
     start: MotionPlan
-    stop: MotionPlan
     seconds: float
-    """[s] for all of them"""
+    """[s] for both"""
 
 
 def read_gaits(robot: str, gaits: Mapping[str, Any], file: str) -> dict[str, GaitCase]:
@@ -64,21 +63,10 @@ def _phase(data: dict[str, Any], key: str, file: str) -> dict[str, Any]:
 
 
 def plan_gait_case(case: GaitCase, options: Options) -> PlannedGait:
-    """The gait and its stands; errors as those of the pipeline's `plan_phase`."""
-    from gaitforge.motion.stand import plan_start, plan_stop
+    """The gait and its start; errors as those of the pipeline's `plan_phase`."""
+    from gaitforge.motion.stand import plan_start
     from gaitforge.pipeline.gaits import plan_phase
 
     robot, watch = robot_called(case.robot), Stopwatch()
     plan = plan_phase(robot, case.phase, Scene(), options, watch).plan
-    start, stop = (stand(robot, plan, options=options.motion) for stand in (plan_start, plan_stop))
-    return PlannedGait(plan, start, stop, watch.timings()["total"])
-
-
-def begun_at(robot: RobotModel, planned: PlannedGait, plan: MotionPlan, options: Options) -> PlannedGait:
-    """The same gait begun elsewhere in its cycle, with the stands that this takes."""
-    from gaitforge.motion.stand import plan_start, plan_stop
-
-    if plan is planned.plan:
-        return planned
-    start, stop = (stand(robot, plan, options=options.motion) for stand in (plan_start, plan_stop))
-    return replace(planned, plan=plan, start=start, stop=stop)
+    return PlannedGait(plan, plan_start(robot, plan, options=options.motion), watch.timings()["total"])

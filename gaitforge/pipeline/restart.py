@@ -23,6 +23,8 @@ from gaitforge.pipeline.tries import Try, Workers, attempt, unexplained
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)
 """Factors on the robot's nominal time of a column for steps that are taken one by one."""
+AMPLE_M = 0.008
+"""[m] that the zero moment point stays inside the feet: with less, other orders of steps are tried"""
 LOW_M = 0.012
 """[m] high steps while failed feet still bear load: what is lifted with the body need not be lifted higher"""
 
@@ -47,17 +49,25 @@ def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Worke
 
 
 def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch) -> Segment:
-    """From stand to stand, step by step."""
+    """From stand to stand, step by step: the first plan with an ample margin, else the one with the largest."""
     name, begin = f"{stand.name}_to_{start.name}", time.perf_counter()
     left: list[Attempt] = []
+    narrow: list[tuple[float, MotionPlan]] = []
     for one in _tries(now, stand, start, name):
         with watch.stage("motion"):
             result = attempt(one)
-        if result.plan is not None:
-            watch.progress("motion", f"{name}: {one.what}, {result.plan.report.seconds:.2f} s to solve")
+        if result.plan is None:
+            left.append(result.left)
+            watch.progress("motion", f"{name}: {one.what}: left ({left[-1].why})")
+            continue
+        margin = float(result.plan.report.details["zmp_margin_m"])
+        watch.progress("motion", f"{name}: {one.what}, margin {1000 * margin:.0f} mm, {result.seconds:.2f} s")
+        if margin >= AMPLE_M:
             return Segment(result.plan, 1, tuple(left))
-        left.append(result.left)
-        watch.progress("motion", f"{name}: {one.what}: left ({left[-1].why})")
+        narrow.append((margin, result.plan))
+        left.append(Attempt(one.what, f"margin {1000 * margin:.1f} mm", result.seconds))
+    if narrow:
+        return Segment(max(narrow, key=lambda found: found[0])[1], 1, tuple(left))
     raise UnsolvedError(
         f"{name}: none of {len(left)} tries has a plan in {time.perf_counter() - begin:.1f} s", exhausted(name, left)
     )

@@ -334,10 +334,13 @@ def _settled(
     """The placement with its exact centre of mass, drawn back towards the nominal stance until it is in reach."""
     for part in (1.0, 0.9, 0.7, 0.4, 0.0):
         offsets, shifts = part * stance.offsets, part * stance.shifts
-        here = [reach.center_of_mass_at(offsets - shift) for shift in shifts]
-        still, joints = reach.center_of_mass_at(offsets), reach.posture(offsets)
+        joints = reach.posture(offsets)
+        if joints is None:
+            continue
+        still = reach.center_of_mass_of(joints)
+        here = [reach.center_of_mass_at(offsets - shift) if shift.any() else still for shift in shifts]
         centers = np.array([c + s for c, s in zip(here, shifts, strict=True) if c is not None])
-        if still is None or joints is None or len(centers) < len(shifts):
+        if len(centers) < len(shifts):
             continue
         feet = reach.footholds + offsets
         path = _path(times, centers, period) if len(times) else None

@@ -62,7 +62,11 @@ class Reach:
     def center_of_mass_at(self, offsets: Array) -> Array | None:
         """(2,) exact centre of mass [m] of that posture, in the base frame; None out of reach."""
         joints = self.posture(offsets)
-        return None if joints is None else self.robot.center_of_mass(_base(self.robot), joints)[:2]
+        return None if joints is None else self.center_of_mass_of(joints)
+
+    def center_of_mass_of(self, joints: Array) -> Array:
+        """(2,) exact centre of mass [m] of a posture (n_J,) [rad], in the base frame."""
+        return self.robot.center_of_mass(_base(self.robot), joints)[:2]
 
 
 def reach_of(robot: RobotModel, problem: FootfallProblem) -> Reach:
