@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.bodies import Closest, closest_pairs, limb_capsules
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.motion.trunk import closest_to_trunk
+from gaitforge.motion.trunk import closest_to_trunk, trunk_height
 from gaitforge.robot.kinematics import LimbPoses, evaluate_limbs
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import matrices
@@ -33,6 +33,8 @@ class DenseReport:
     """[m] largest way of a contact point in one stance, rolling taken out"""
     swing_clearance: float
     """[m] lowest a swinging foot is away from landing and lifting (mid-swing), inf without swings"""
+    trunk_height: float
+    """[m] lowest that a corner of the trunk comes"""
     close: tuple[Closest, ...]
     """Bodies nearer to each other than the margin asked for, about each sample: limbs to limbs and to the trunk"""
 
@@ -51,6 +53,7 @@ class DenseReport:
             "slip_m": self.slip,
             "swing_clearance_m": self.swing_clearance,
             "gap_m": self.gap,
+            "trunk_height_m": self.trunk_height,
         }
 
 
@@ -74,6 +77,7 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
         lift=float(lift.max()),
         slip=float(slip.max()),
         swing_clearance=float(clear.min()),
+        trunk_height=trunk_height(robot, base),
         close=tuple(close),
     )
 

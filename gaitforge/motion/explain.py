@@ -133,6 +133,8 @@ def _words(segment: Segment, name: str, sample: int | None, violation: Violation
         return f"the body is {far} short of the commanded way", "more time a column, or a slower gait"
     if family == "clearance":
         return f"{name} come too near to each other", "another pattern, a wider posture, or shorter steps"
+    if family == "trunk_height":
+        return f"the trunk is {far} in the ground", "raise the body, or tilt it less"
     if family == "effort":
         return (
             f"a joint of {name} would need {abs(amount):.2f} of its effort limit more than is allowed",

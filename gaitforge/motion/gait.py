@@ -46,7 +46,6 @@ def plan_gait(
     postures: Mapping[str, Array] | None = None,
     expected_base: tuple[float, float, float] = (0.0, 0.0, 0.0),
     loads: Sequence[Load] | None = None,
-    like: MotionPlan | None = None,
     name: str = "gait",
     options: MotionOptions | None = None,
 ) -> MotionPlan:
@@ -63,12 +62,11 @@ def plan_gait(
     limb is locked, say), by default the held posture, and for a tool limb that looks at a point the
     one that does so from `expected_base`: x, y [m] and yaw [rad] of the base in the target's frame
     in the middle of this gait.  `loads`: what the robot carries, which
-    counts in the centre of mass; None: what `robot` carries already.  `like`: a gait that is much
-    like this one, near which the optimiser begins.
+    counts in the centre of mass; None: what `robot` carries already.
     Raises `InputError` for unknown limbs, `InfeasibleMotion` with a geometric certificate, and
     `UnsolvedError` when the optimiser finds no plan, saying which family, limb and sample resist.
     """
-    from gaitforge.motion.limits import refuse_impossible_speed, refuse_impossible_stance
+    from gaitforge.motion.limits import refuse_grounded_trunk, refuse_impossible_speed, refuse_impossible_stance
 
     robot = robot if loads is None else robot.carrying(*loads)
     options = options or MotionOptions()
@@ -88,9 +86,10 @@ def plan_gait(
         grid = Discretisation(pattern, options.samples_per_column, seconds, command, stance=stance)
         refuse_impossible_speed(robot, grid)
         refuse_impossible_stance(robot, grid, options)
+        refuse_grounded_trunk(robot, grid, options)
         refuse_weak_modules(robot, grid, options)
         segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, stance, fixed), named)
-        return solve_refined(segment if like is None else segment.like(like), options)
+        return solve_refined(segment, options)
 
     if duration == "auto":
         return shortest(nominal.duration, plan_at, partial(load_of, options))

@@ -90,3 +90,27 @@ def refuse_impossible_stance(robot: RobotModel, grid: Discretisation, options: M
                     "advice": f"command a body height below {limit:.2f} m",
                 },
             )
+
+
+def refuse_grounded_trunk(robot: RobotModel, grid: Discretisation, options: MotionOptions) -> None:
+    """Raise `InfeasibleMotion` when the trunk lies in the ground wherever the commanded pose leaves it room.
+
+    The mean height of its four lowest corners is the height of their centre, which no tilt lifts by more than
+    the tilt times its distance from base_link; were it below the ground, so would be a corner.
+    """
+    if not robot.trunk:
+        return
+    from gaitforge.motion.trunk import trunk_corners
+
+    height, roll, pitch = grid.stances(robot).body[0]
+    centre = trunk_corners(robot).mean(axis=0)
+    highest = height + options.height_range
+    tilt = min(1.0, abs(roll) + abs(pitch) + 2.0 * options.tilt_limit)
+    room = highest + max(0.0, centre[2]) + tilt * float(np.linalg.norm(centre[:2])) + min(0.0, centre[2]) * np.cos(tilt)
+    if room < 0.0:
+        limit = height - room
+        raise InfeasibleMotion(
+            f"a body height of {height:.3g} m is impossible: the trunk would lie {-1e3 * room:.0f} mm or more in the "
+            "ground",
+            {"families": ["trunk_height"], "limbs": [], "advice": f"command a body height above {limit:.2f} m"},
+        )

@@ -61,7 +61,7 @@ def _refined(segment: Segment, options: MotionOptions, remedies: Remedies) -> Mo
         answered = tuple(m.family for m in missed)
         finer = _finer(segment, options, report)
         if finer > segment.grid.samples_per_column:
-            segment, start = segment.on_grid(finer, plan), None
+            segment, start = segment.on_grid(finer), None
             remedies.clearances.clear()  # their samples are another grid's
         else:
             remedies.answer(segment, options, report)

@@ -11,16 +11,20 @@ import numpy as np
 from gaitforge.motion.bodies import BASE, Closest
 from gaitforge.motion.constraints.clearance import Clearance
 from gaitforge.motion.constraints.joint_speed import JointSpeed
+from gaitforge.motion.constraints.trunk_height import TrunkHeight
 from gaitforge.motion.dense import DenseReport
 from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import SolveReport
 from gaitforge.motion.segment import Segment
+from gaitforge.motion.trunk import trunk_corners
 
 NEAR_M = 0.01
 """[m] pairs of bodies this much farther apart than the clearance are watched, too"""
 ALIKE = 4
 """Pairs of bodies of two limbs that are kept apart at one sample"""
+TRUNK_M = 0.005
+"""[m] that the trunk's corners keep above the ground at samples, where the spline took them below it"""
 INSIDE_RAD = 2e-3
 """[rad] by how much more than the excess the samples keep from a position limit"""
 
@@ -43,6 +47,7 @@ class Remedies:
     shares: dict[int, float] = field(default_factory=dict)
     """limb → share of its joint speed limits that a whole interval may use"""
     clearances: list[Clearance] = field(default_factory=list)
+    trunk: list[TrunkHeight] = field(default_factory=list)
     joint_margin: float = 0.0
     """[rad] kept from position limits on top of the option"""
     log: list[dict[str, Any]] = field(default_factory=list)
@@ -50,7 +55,7 @@ class Remedies:
     @property
     def families(self) -> list[Family]:
         """Constraint families to be added to the problem."""
-        return [*(JointSpeed(share, (i,)) for i, share in self.shares.items()), *self.clearances]
+        return [*(JointSpeed(share, (i,)) for i, share in self.shares.items()), *self.clearances, *self.trunk]
 
     def applied(self, options: MotionOptions) -> MotionOptions:
         """The options with what has been tightened."""
@@ -63,7 +68,7 @@ class Remedies:
         self.log.append({"for": sorted(set(answered)), **size, **done})
 
     def answer(self, segment: Segment, options: MotionOptions, report: DenseReport) -> None:
-        """Add what helps against joint speeds, position limits and bodies that come too close."""
+        """Add what helps against joint speeds, position limits, a trunk in the ground and bodies too close."""
         robot = segment.robot
         for i in segment.moving:
             ratio = float(report.speed_ratio[robot.joint_indices(robot.limbs[i])].max())
@@ -73,6 +78,9 @@ class Remedies:
         beyond = float(report.limit_excess.max())
         if beyond > 0.0:
             self.joint_margin += beyond + INSIDE_RAD
+        if report.trunk_height < 0.0:
+            corners = tuple((float(x), float(y), float(z)) for x, y, z in trunk_corners(robot))
+            self.trunk = [TrunkHeight(corners, TRUNK_M)]
         close = bodies_free(segment, report)
         if min((c.gap for c in close), default=np.inf) < 0.5 * options.clearance:
             self.clearances.append(Clearance(_nearest(close), options.clearance))
@@ -98,6 +106,9 @@ def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> lis
         excess, name = float(report.limit_excess[far]), robot.joint_names[far]
         text = f"{name} {excess:.3f} rad beyond its position limit"
         found.append(Miss("joint_limits", _limb_of(segment, far), excess, "rad", text))
+    if report.trunk_height < 0.0:
+        text = f"the trunk {-1e3 * report.trunk_height:.0f} mm in the ground"
+        found.append(Miss("trunk_height", "", report.trunk_height, "m", text))
     pair = min(bodies_free(segment, report), key=lambda c: c.gap, default=None)
     if pair is not None and pair.gap < 0.5 * options.clearance:
         text = f"{pair.first.name} {pair.gap * 1e3:.0f} mm from {pair.second.name}"

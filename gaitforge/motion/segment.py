@@ -13,7 +13,6 @@ from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, Kind, MotionPlan, SolveReport
 from gaitforge.motion.problem import Problem
-from gaitforge.motion.resample import guess_like
 from gaitforge.motion.solvers.solution import Solution, Start
 from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, lay_out, planar_motion
 from gaitforge.robot.kinematics import feet_in_world
@@ -37,17 +36,9 @@ class Segment:
     """The starting point on a given grid."""
     roles: Mapping[str, Role]
 
-    def on_grid(self, samples_per_column: int, plan: MotionPlan) -> Segment:
-        """The same segment with more (or fewer) samples a column, begun from a plan on the grid before."""
-        return replace(self.like(plan), grid=replace(self.grid, samples_per_column=samples_per_column))
-
-    def like(self, plan: MotionPlan) -> Segment:
-        """The same segment, looked for near a plan that is much like it."""
-
-        def near(grid: Discretisation) -> Guess:
-            return guess_like(self.robot, plan, grid, self.make_guess(grid), self.moving)
-
-        return replace(self, make_guess=near)
+    def on_grid(self, samples_per_column: int) -> Segment:
+        """The same segment with more (or fewer) samples a column."""
+        return replace(self, grid=replace(self.grid, samples_per_column=samples_per_column))
 
     def build(self, options: MotionOptions, extra: Sequence[Family] = ()) -> tuple[Problem, Trajectory]:
         """The motion problem with all families, those of the options and `extra` ones last."""

@@ -214,13 +214,6 @@ class Guess:
     """(K, n_J)"""
     feet: Array
     """(K, n_F, 3)"""
-    about: Array | None = None
-    """(K, 6) base poses that the bounds of height and yaw are about; None: those of the guess"""
-
-    @property
-    def centre(self) -> Array:
-        """(K, 6) the middle of the base's bounds."""
-        return self.base if self.about is None else self.about
 
 
 def lay_out(
@@ -277,9 +270,9 @@ def _base_bounds(
     grid: Discretisation, guess: Guess, stance: Stance, tilt: float, height_range: float
 ) -> tuple[Array, Array]:
     low, high = np.full(guess.base.shape, -np.inf), np.full(guess.base.shape, np.inf)
-    low[:, 2], high[:, 2] = guess.centre[:, 2] - height_range, guess.centre[:, 2] + height_range
+    low[:, 2], high[:, 2] = guess.base[:, 2] - height_range, guess.base[:, 2] + height_range
     low[:, 3:5], high[:, 3:5] = stance.body[:, 1:] - tilt, stance.body[:, 1:] + tilt
-    low[:, 5], high[:, 5] = guess.centre[:, 5] - 0.5, guess.centre[:, 5] + 0.5
+    low[:, 5], high[:, 5] = guess.base[:, 5] - 0.5, guess.base[:, 5] + 0.5
     if grid.cyclic:
         low[0, :2] = high[0, :2] = guess.base[0, :2]  # the gauge: where the gait begins does not matter
     if grid.start is not None and not grid.start.rest:

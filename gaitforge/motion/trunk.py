@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gaitforge.motion.bodies import BASE, Closest, LimbCapsule, hits, limb_capsules, swept
 from gaitforge.robot.kinematics import LimbPoses, evaluate_limbs
 from gaitforge.robot.model import Box, RobotModel
+from gaitforge.robot.rotation import matrices
 
 Array = NDArray[np.float64]
 HALVINGS = 24
@@ -90,7 +91,7 @@ def _near_boxes(
     """Shapes of the trunk, the capsules that may come nearer than `margin` to any of them, and their standing gaps."""
     if not robot.trunk:
         return []
-    corners = np.array([_corners(box) for box in robot.trunk]).reshape(-1, 3)
+    corners = np.array([box_corners(box) for box in robot.trunk]).reshape(-1, 3)
     reach = (radius + margin)[:, None, None]
     low, high = np.minimum(a, b) - reach, np.maximum(a, b) + reach
     near = ((low < corners.max(axis=0)) & (high > corners.min(axis=0))).all(axis=2).any(axis=1)
@@ -102,7 +103,24 @@ def _near_boxes(
     return found
 
 
-def _corners(box: Box) -> Array:
+def trunk_corners(robot: RobotModel) -> Array:
+    """(4, 3) corners of the trunk's largest shape in the base frame, the four that are lowest while it is level [m]."""
+    largest = max(robot.trunk, key=lambda box: float(np.prod(box.size)))
+    lowest = box_corners(largest)
+    return np.asarray(lowest[np.argsort(lowest[:, 2])[:4]])
+
+
+def trunk_height(robot: RobotModel, base_poses: Array) -> float:
+    """[m] how low any corner of the trunk comes along base poses (n, 6); inf without shapes."""
+    if not robot.trunk:
+        return float("inf")
+    corners = np.array([box_corners(box) for box in robot.trunk]).reshape(-1, 3)
+    up = matrices(base_poses[:, 3:6])[:, 2]  # (n, 3)
+    return float((base_poses[:, 2:3] + up @ corners.T).min())
+
+
+def box_corners(box: Box) -> Array:
+    """(8, 3) in the base frame [m]."""
     signs = np.array(list(product((-0.5, 0.5), repeat=3)))
     return np.asarray((signs * box.size) @ np.array(box.rotation).T + box.center)
 

@@ -105,7 +105,6 @@ class _Search:
                 "speed": command.speed if speed is None else speed, "heading": command.heading,
                 "yaw_rate": command.yaw_rate, "duration": column_s * p.columns, "roles": roles,
                 "loads": before.loads, "name": "without_" + "_".join(self.lost), "options": self.options,
-                "like": before if p.columns == before.pattern.columns else None,
             })
             for p in self._timed("gait_pattern", self._gait_patterns())
         )  # fmt: skip

@@ -7,11 +7,24 @@ from itertools import product
 import numpy as np
 import pytest
 
+import gaitforge as gf
+from gaitforge.errors import InfeasibleMotion
 from gaitforge.motion.bodies import BASE, limb_capsules
-from gaitforge.motion.trunk import closest_to_trunk, gaps, nearest_on, signed_distance
+from gaitforge.motion.constraints.trunk_height import TrunkHeight
+from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.plan import Command
+from gaitforge.motion.trunk import (
+    closest_to_trunk,
+    gaps,
+    nearest_on,
+    signed_distance,
+    trunk_corners,
+    trunk_height,
+)
 from gaitforge.robot.kinematics import evaluate_limbs
 from gaitforge.robot.model import Box, RobotModel
 from gaitforge.robot.rotation import matrices
+from tests.motion.motion_kit import TRIPOD, gait_segment
 
 TURN = matrices([0.3, -0.5, 0.9])
 BOX = Box((0.1, -0.2, 0.05), tuple(tuple(float(v) for v in row) for row in TURN), (0.3, 0.2, 0.1))
@@ -94,3 +107,36 @@ def test_the_trunk_is_made_of_the_shapes_of_the_base(hexapod: RobotModel) -> Non
     plate = max(hexapod.trunk, key=lambda box: float(np.prod(box.size)))
     assert sorted(plate.size) == pytest.approx([0.0762, 0.185, 0.3])
     assert len(limb_capsules(hexapod)) == len(hexapod.capsules)
+
+
+def test_the_height_of_the_trunk_is_that_of_its_lowest_point(hexapod: RobotModel) -> None:
+    poses = np.random.default_rng(3).uniform(-0.4, 0.4, (20, 6))
+    clouds = np.concatenate([surface(box, 9) for box in hexapod.trunk])
+    turned = poses[:, None, :3] + np.einsum("nij,pj->npi", matrices(poses[:, 3:6]), clouds)
+    assert trunk_height(hexapod, poses) == pytest.approx(float(turned[..., 2].min()), abs=1e-9)
+
+
+def test_the_rows_of_the_trunk_are_heights_of_its_corners_with_exact_derivatives(hexapod: RobotModel) -> None:
+    corners = tuple((float(x), float(y), float(z)) for x, y, z in trunk_corners(hexapod))
+    problem, trajectory = gait_segment(hexapod, TRIPOD, Command(0.05)).build(MotionOptions(), [TrunkHeight(corners)])
+    term = next(t for t in problem.terms if t.family == "trunk_height")
+    assert len(term.variables) == trajectory.grid.samples
+    base = np.random.default_rng(4).uniform(-0.5, 0.5, 6)
+    heights, jacobian = (np.array(v).ravel() for v in term.kernel.first(base, term.parameters[0]))
+    expected = base[2] + (matrices(base[3:6]) @ trunk_corners(hexapod).T)[2]
+    assert heights == pytest.approx(expected, abs=1e-12)
+    dense, h = np.zeros((4, 6)), 1e-6
+    dense[term.kernel.jacobian_rc] = jacobian
+    for k, step in enumerate(h * np.eye(6)):
+        up, down = (np.array(term.kernel.value(base + s * step, term.parameters[0])).ravel() for s in (1, -1))
+        assert dense[:, k] == pytest.approx((up - down) / (2 * h), abs=1e-8)
+
+
+def test_a_body_commanded_into_the_ground_is_lifted_out_of_it_or_refused(hexapod: RobotModel) -> None:
+    low = gf.plan_gait(hexapod, TRIPOD, body_height=0.0)
+    assert ["trunk_height"] in [entry["for"] for entry in low.report.details["refined"]]
+    assert low.report.details["trunk_height_m"] >= 0.0
+    with pytest.raises(InfeasibleMotion, match="in the ground") as refusal:
+        gf.plan_gait(hexapod, TRIPOD, body_height=-0.08)
+    limit = float(refusal.value.explain["advice"].split("above ")[1].split(" m")[0])
+    gf.plan_gait(hexapod, TRIPOD, body_height=limit + 0.01)
