@@ -134,7 +134,7 @@ def compared(repeats: int) -> list[str]:
 
 COLD = """
 import sys, time
-import casadi, pinocchio, qdldl, scipy.interpolate, scipy.sparse, yourdfpy
+import casadi, pinocchio, qdldl, scipy.interpolate, scipy.optimize, scipy.sparse, yourdfpy
 import gaitforge as gf
 from benchmarks.motion_cases import segment
 from gaitforge.motion.options import MotionOptions

@@ -1,1 +1,1 @@
-"""Solvers of the motion problem: a class with `solve(problem) -> Solution`."""
+"""Solvers of the motion problem: a class with `solve(problem, start) -> Solution`, see docs/motion.md."""

@@ -14,6 +14,7 @@ from gaitforge.motion.solvers.generated import compiled_map
 from gaitforge.motion.solvers.structure import Group, Structure
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 
 
 class Evaluation:
@@ -28,16 +29,23 @@ class Evaluation:
         self._values = np.zeros(values)
         self._derivatives = np.zeros(hessians + jacobians)
         self._full = np.zeros(structure.size)
+        # all that kernels read, gathered at once: variables, and multipliers with a last one of 1 for costs
+        self._multipliers = np.ones(structure.row_count + 1)
+        none = np.zeros(0, dtype=np.intp)
+        self._places = np.concatenate([none, *(g.variables.ravel() for g in structure.groups)])
+        self._weights = np.concatenate([none, *(_rows_of(g, structure.row_count) for g in structure.groups)])
+        self._v, self._m = np.zeros(len(self._places)), np.zeros(len(self._weights))
         self._calls: list[_Call] = []
-        at = [0, hessians, 0]
+        at = [0, 0, 0, hessians, 0]
         for group in structure.groups:
-            n = len(group.variables)
-            lengths = [n * len(group.kernel.hessian_rc[0]), n * len(group.kernel.jacobian_rc[0])]
-            lengths.append(n * group.kernel.sizes[2])
-            h, j, r = (slice(a, a + length) for a, length in zip(at, lengths, strict=True))
+            n, (nv, _, nr) = len(group.variables), group.kernel.sizes
+            nonzeros = [len(group.kernel.jacobian_rc[0]), len(group.kernel.hessian_rc[0])]
+            ends = [a + n * each for a, each in zip(at, (nv, nr, nr, *nonzeros), strict=True)]
+            v, m, r, j, h = (slice(*ends_of) for ends_of in zip(at, ends, strict=True))
             out = (self._values[r], self._derivatives[j], self._derivatives[h])
-            self._calls.append(_Call(group, *out, native))
-            at = [a + length for a, length in zip(at, lengths, strict=True)]
+            read = (self._v[v].reshape(n, nv), self._m[m].reshape(n, nr))
+            self._calls.append(_Call(group, read, out, native))
+            at = ends
         where, indices, indptr = structure.jacobian
         self._where = where
         self._jacobian_raw = self._derivatives[hessians:]
@@ -61,15 +69,19 @@ class Evaluation:
     def values(self, x: Array) -> tuple[float, Array]:
         """f and (rows,) g at (free,) x."""
         self._full[self.structure.free] = x
+        self._full.take(self._places, out=self._v)
         for call in self._calls:
-            call.value(self._full)
+            call.value()
         return float(self._values[self.structure.costs].sum()), self.structure.to_rows @ self._values
 
     def derivatives(self, x: Array, multipliers: Array) -> None:
         """Everything at (free,) x with (rows,) multipliers y."""
         self._full[self.structure.free] = x
+        self._full.take(self._places, out=self._v)
+        self._multipliers[:-1] = multipliers
+        self._multipliers.take(self._weights, out=self._m)
         for call in self._calls:
-            call.whole(self._full, multipliers)
+            call.whole()
         self.cost = float(self._values[self.structure.costs].sum())
         self.rows = self.structure.to_rows @ self._values
         self.gradient = self.structure.to_gradient @ self._jacobian_raw
@@ -77,29 +89,27 @@ class Evaluation:
         self.jacobian.data[:] = self.kkt[self._where]
 
 
+def _rows_of(group: Group, none: int) -> Index:
+    """Which multiplier each output of a kernel has; `none` for costs."""
+    count = len(group.variables) * group.kernel.sizes[2]
+    return np.full(count, none, dtype=np.intp) if group.rows is None else group.rows.ravel()
+
+
 class _Call:
     """One mapped kernel with its buffers."""
 
-    def __init__(self, group: Group, values: Array, jacobian: Array, hessian: Array, native: bool) -> None:
+    def __init__(
+        self, group: Group, read: tuple[Array, Array], outputs: tuple[Array, Array, Array], native: bool
+    ) -> None:
         self.group = group
-        n, (nv, np_, nr) = len(group.variables), group.kernel.sizes
-        self._v, self._p, self._m = np.zeros((n, nv)), np.zeros((n, np_)), np.ones((n, nr))
-        inputs, outputs = (self._v, self._p, self._m), (values, jacobian, hessian)
-        self._whole = _mapped(group.kernel.whole, inputs, outputs, native)
-        self._value = _mapped(group.kernel.value, inputs[:2], outputs[:1], native)
+        variables, multipliers = read
+        self._p = np.zeros((len(variables), group.kernel.sizes[1]))
+        inputs = (variables, self._p, multipliers)
+        self.whole = _mapped(group.kernel.whole, inputs, outputs, native)
+        self.value = _mapped(group.kernel.value, inputs[:2], outputs[:1], native)
 
     def load(self, problem: Problem) -> None:
         np.concatenate([problem.terms[i].parameters for i in self.group.members], out=self._p)
-
-    def value(self, full: Array) -> None:
-        np.take(full, self.group.variables, out=self._v)
-        self._value()
-
-    def whole(self, full: Array, multipliers: Array) -> None:
-        np.take(full, self.group.variables, out=self._v)
-        if self.group.rows is not None:
-            np.take(multipliers, self.group.rows, out=self._m)
-        self._whole()
 
 
 def _mapped(function: Any, inputs: tuple[Array, ...], outputs: tuple[Array, ...], native: bool) -> Callable[[], None]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gaitforge.motion.solvers.native import compiled
 
 Array = NDArray[np.float64]
-LARGE = 20_000
+LARGE = 60_000
 """Instructions over all places from which on compiled code is worth its compilation"""
 
 DRIVER = """

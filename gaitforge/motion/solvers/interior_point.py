@@ -5,9 +5,10 @@ r"""A primal–dual interior-point method on the nonlinear problem itself, with 
 Each side has a slack t > 0 and a multiplier z > 0, sign · c − bound − t = 0, and may be violated by the
 starting point, which is never moved.  Newton's method on the optimality conditions with z t = μ needs one
 factorisation of K (`structure`) an iteration: Δt and Δz are eliminated, Σ = z / t; a side of a variable adds Σ
-to the diagonal, a row with room has −1/Σ on its own.  Mehrotra's predictor chooses μ and corrects; a filter
-(Fletcher & Leyffer 2002) on infeasibility and barrier function guards the steps; δ_w grows until K has as many
-negative pivots as there are rows, so that steps lead downhill (inertia, Wächter & Biegler 2006).
+to the diagonal, a row with room has −1/Σ on its own.  Mehrotra's predictor chooses μ and corrects; a step
+has to make infeasibility or the barrier function smaller (a filter of one point, Fletcher & Leyffer 2002), else it
+is taken again without the corrector, and shorter; δ_w grows until K has as many negative pivots as there are rows,
+so that steps lead downhill (inertia, Wächter & Biegler 2006).
 """
 
 from __future__ import annotations
@@ -30,8 +31,12 @@ BETTER = 1e-5
 """Share by which a step must improve infeasibility or the barrier function"""
 SMALL_COST = 0.1
 """Below this the gap counts absolutely"""
+FLOOR = 1e-5
+"""μ does not run ahead of the residuals by more than this factor"""
 FAR = 1e3
 """Violations below this many times the feasibility asked for are no stall"""
+FEASIBLE = 1e-9
+"""Infeasibility that is not worth a step"""
 LEAST = 1e-12
 """Smallest Σ of a row, so that 1/Σ is finite"""
 
@@ -79,6 +84,7 @@ class Measures:
     """Largest entry of ∇L, scaled as in IPOPT"""
     infeasibility: float
     """Σ |off| + Σ |short|"""
+    cost: float
 
 
 @dataclass
@@ -104,7 +110,6 @@ class InteriorPoint:
         self.iterations = 0
         self.shift = 0.0
         self.timings = {"evaluate": 0.0, "factor": 0.0, "solve": 0.0}
-        self._filter: list[tuple[float, float]] = []
         self._history: list[float] = []
 
     # -- beginning and end -----------------------------------------------------------------
@@ -148,7 +153,12 @@ class InteriorPoint:
             if not self._factor(weights):
                 return point, "singular"
             step, mu = self._direction(point, now, sigma, weights)
-            point = self._search(point, step, now, mu)
+            following = self._search(point, step, now, mu, halvings=0)
+            if following is None:  # the corrector promised too much
+                self._evaluate(point)
+                plain = self._newton(point, now, sigma, weights, mu - point.z * point.t)
+                following = self._search(point, plain, now, mu, halvings=6)
+            point = following or point
             self.iterations += 1
 
     def _evaluate(self, point: Point) -> None:
@@ -178,6 +188,7 @@ class InteriorPoint:
             violation=float(max(np.abs(off).max(initial=0.0), (-gap).max(initial=0.0))),
             dual=float(np.abs(stationarity).max(initial=0.0)) / scale,
             infeasibility=float(np.abs(off).sum() + np.abs(short).sum()),
+            cost=found.cost,
         )
 
     def _converged(self, point: Point, now: Measures) -> bool:
@@ -223,8 +234,8 @@ class InteriorPoint:
         mean = float(product.mean())
         after = float(((point.t + primal * ahead.t) * (point.z + dual * ahead.z)).mean())
         residual = max(now.dual, float(np.abs(now.off).max(initial=0.0)), float(np.abs(now.short).max(initial=0.0)))
-        mu = max(min(after / mean, 1.0) ** 3 * mean, min(mean, 1e-3 * residual), 1e-10)
-        return self._newton(point, now, sigma, weights, mu - product - primal * dual * ahead.t * ahead.z), mu
+        mu = max(min(after / mean, 1.0) ** 3 * mean, min(mean, FLOOR * residual), 1e-10)
+        return self._newton(point, now, sigma, weights, mu - product - ahead.t * ahead.z), mu
 
     def _newton(self, point: Point, now: Measures, sigma: Array, weights: Array, change: Array) -> Step:
         """The step that changes z t by `change` to first order; Δz = change / t − Σ Δt, Δt = sign Δc + short."""
@@ -242,14 +253,13 @@ class InteriorPoint:
         dt = sides.along(dx, self.evaluation.jacobian @ dx) + now.short
         return Step(dx, dt, push - sigma * dt, solved[free:][sides.equal])
 
-    def _search(self, point: Point, step: Step, now: Measures, mu: float) -> Point:
-        """Shorten the step until the filter takes it; the derivatives at the new point are evaluated."""
+    def _search(self, point: Point, step: Step, now: Measures, mu: float, halvings: int) -> Point | None:
+        """The next point, derivatives evaluated; a search without halvings may fail, another takes its last try."""
         fraction = max(0.995, 1.0 - mu)
         length, dual = _longest(point.t, step.t, fraction), _longest(point.z, step.z, fraction)
-        barrier = self.evaluation.cost - mu * float(np.log(point.t).sum())
-        theta = now.infeasibility
+        before = now.infeasibility, now.cost - mu * float(np.log(point.t).sum())
         z = point.z + dual * step.z
-        for halving in range(7):
+        for halving in range(halvings + 1):
             x, y = point.x + length * step.x, point.y + length * step.y
             trial = Point(x, point.t + length * step.t, z, y)
             if halving == 0:  # nearly always taken, so everything is evaluated at once
@@ -261,24 +271,29 @@ class InteriorPoint:
             gap = self.sides.gap(x, rows)
             trial.t = np.maximum(trial.t, gap)
             off = rows[self.sides.equal] - self.sides.target
-            there = float(np.abs(off).sum() + np.abs(gap - trial.t).sum())
-            if self._acceptable(there, cost - mu * float(np.log(trial.t).sum()), theta, barrier):
+            infeasibility = float(np.abs(off).sum() + np.abs(gap - trial.t).sum())
+            if _better(before, (infeasibility, cost - mu * float(np.log(trial.t).sum()))):
                 break
             length *= 0.5
-        self._filter.append((theta, barrier))
+        else:
+            if not halvings:
+                return None
         if halving:
             self._evaluate(trial)
         return trial
-
-    def _acceptable(self, theta: float, barrier: float, theta_now: float, barrier_now: float) -> bool:
-        corners = [*self._filter, (theta_now, barrier_now)]
-        return all(theta <= (1.0 - BETTER) * a or barrier <= b - BETTER * a for a, b in corners)
 
     @contextmanager
     def _timed(self, what: str) -> Iterator[None]:
         begin = time.process_time()
         yield
         self.timings[what] += time.process_time() - begin
+
+
+def _better(before: tuple[float, float], after: tuple[float, float]) -> bool:
+    """Has infeasibility or the barrier function (in this order) become smaller?"""
+    nearer = before[0] > FEASIBLE and after[0] <= (1.0 - BETTER) * before[0]
+    rounding = 1e-9 * max(1.0, abs(before[1]))
+    return nearer or after[1] <= before[1] - BETTER * before[0] + rounding
 
 
 def _longest(values: Array, change: Array, fraction: float) -> float:

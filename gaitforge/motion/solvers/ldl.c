@@ -78,10 +78,10 @@ static int factor_panel(int m, int n, double *x, double *d, double *work)
 }
 
 /* Number of negative pivots, or −1 when a pivot is zero.  x holds the matrix in panels and gets L below the
-   diagonal; d the pivots.  Integer work: head, next, reach [supernodes], map [n]; double work: as large as the
+   diagonal; d the pivots.  Integer work: head, next, reach [supernodes], map, place [n]; double work: as large as the
    largest update, twice. */
 int ldl_factor(int supernodes, const int *first, const int *rowptr, const int *rows, const long *start, double *x,
-               double *d, int *head, int *next, int *reach, int *map, const int *owner, double *work, double *packed)
+               double *d, int *head, int *next, int *reach, int *map, int *place, const int *owner, double *work, double *packed)
 {
     int negative = 0;
     for (int s = 0; s < supernodes; s++) head[s] = -1;
@@ -100,12 +100,17 @@ int ldl_factor(int supernodes, const int *first, const int *rowptr, const int *r
             for (int j = 0; j < columns; j++)
                 for (int p = 0; p < k; p++)
                     packed[(long)j * k + p] = source[(long)p * total + begin + j] * d[first[u] + p];
-            memset(work, 0, sizeof(double) * (size_t)below * (size_t)columns);
-            subtract(below, columns, k, source + begin, total, packed, work, below, 1);
-            for (int j = 0; j < columns; j++) {
-                double *restrict target = panel + (long)(theirs[begin + j] - from) * m;
-                const double *restrict update = work + (long)j * below;
-                for (int i = j; i < below; i++) target[map[theirs[begin + i]]] += update[i];
+            for (int i = 0; i < below; i++) place[i] = map[theirs[begin + i]];
+            if (place[below - 1] - place[0] == below - 1) { /* a block of the panel: no detour */
+                subtract(below, columns, k, source + begin, total, packed, panel + (long)place[0] * (m + 1), m, 1);
+            } else {
+                memset(work, 0, sizeof(double) * (size_t)below * (size_t)columns);
+                subtract(below, columns, k, source + begin, total, packed, work, below, 1);
+                for (int j = 0; j < columns; j++) {
+                    double *restrict target = panel + (long)place[j] * m;
+                    const double *restrict update = work + (long)j * below;
+                    for (int i = j; i < below; i++) target[place[i]] += update[i];
+                }
             }
             if (end < total) {
                 int to = owner[theirs[end]];

@@ -23,7 +23,7 @@ class Supernodal:
         size, count = len(indptr) - 1, len(nodes.first) - 1
         self._panels, self._vector = np.zeros(nodes.size), np.zeros(size)
         pivots, work = np.zeros(size), [np.zeros(nodes.work), np.zeros(nodes.work)]
-        integers = [np.zeros(n, dtype=np.int32) for n in (count, count, count, size)]
+        integers = [np.zeros(n, dtype=np.int32) for n in (count, count, count, size, size)]
         shared = [nodes.first, nodes.rowptr, nodes.rows, nodes.start, self._panels, pivots]
         self._kept = (shared, integers, work)
         self._factor = [count, *map(_pointer, [*shared, *integers, nodes.owner, *work])]
