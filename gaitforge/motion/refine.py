@@ -17,6 +17,7 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.remedies import NEAR_M, Remedies, misses
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.solvers.solution import Solution
+from gaitforge.motion.solvers.structured import Structured
 from gaitforge.motion.zmp import zero_moment_point
 
 
@@ -25,23 +26,39 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
 
     Joint speeds, position limits and clearance are answered with rows and bounds, feet that the spline pushes
     into the ground or drags with a finer grid, and a problem without a solution with the next smaller
-    stability share; the plan's `relaxed` and report say which.
+    stability share; the plan's `relaxed` and report say which.  When why is to be told (`options.explain`), a
+    failure of the fast solver is explained before its slow fallback is asked, which it then is only where
+    the explanation finds nothing in the way.
     """
+    if not options.explain:
+        return _over_shares(segment, options, Remedies())
+    from gaitforge.motion.explain import explained
+
+    solver, remedies = options.solver, Remedies()
+    quick = replace(options, solver=replace(solver, fallback=None)) if isinstance(solver, Structured) else options
+    try:
+        return _over_shares(segment, quick, remedies)
+    except UnsolvedError as failure:
+        error = explained(segment, options, failure, remedies.shares)
+    if quick is options or error.explain.get("causes"):
+        raise error
+    return _over_shares(segment, options, Remedies())  # nothing is in the way: the fallback may find what was missed
+
+
+def _over_shares(segment: Segment, options: MotionOptions, remedies: Remedies) -> MotionPlan:
+    """The plan of the first stability share that has one; `remedies` is left with what the last one added."""
     failure: UnsolvedError | None = None
     for share in options.stability_shares:
+        remedies.clear()
         try:
-            plan = _refined(segment, replace(options, stability_share=share), remedies := Remedies())
+            plan = _refined(segment, replace(options, stability_share=share), remedies)
         except UnsolvedError as error:
             failure = failure or error
             continue
         relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
         return replace(plan, relaxed=(*plan.relaxed, *relaxed))
     assert failure is not None
-    if not options.explain:
-        raise failure
-    from gaitforge.motion.explain import explained
-
-    raise explained(segment, options, failure, remedies.shares)
+    raise failure
 
 
 def _refined(segment: Segment, options: MotionOptions, remedies: Remedies) -> MotionPlan:

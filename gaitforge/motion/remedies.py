@@ -52,6 +52,12 @@ class Remedies:
     """[rad] kept from position limits on top of the option"""
     log: list[dict[str, Any]] = field(default_factory=list)
 
+    def clear(self) -> None:
+        """Forget everything, for another start."""
+        self.shares.clear()
+        self.clearances.clear()
+        self.trunk, self.joint_margin, self.log = [], 0.0, []
+
     @property
     def families(self) -> list[Family]:
         """Constraint families to be added to the problem."""

@@ -23,7 +23,7 @@ from gaitforge.pipeline.tries import Try, Workers, attempt, unexplained
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)
 """Factors on the robot's nominal time of a column for steps that are taken one by one."""
-AMPLE_M = 0.008
+AMPLE_M = 0.015
 """[m] that the zero moment point stays inside the feet: with less, other orders of steps are tried"""
 LOW_M = 0.012
 """[m] high steps while failed feet still bear load: what is lifted with the body need not be lifted higher"""

@@ -66,7 +66,7 @@ def test_the_body_goes_by_the_blend_of_both_velocities(
     for t in np.linspace(0.05, plan.duration - 0.05, 40):
         s = t / 2.5
         a, b = tripod.base_spline(2.0 * s, 1) * 2.0 / 2.5, slow.base_spline(3.0 * s, 1) * 3.0 / 2.5
-        assert plan.base_spline(t, 1)[0] == pytest.approx((1 - s) * a[0] + s * b[0], abs=2e-3)
+        assert plan.base_spline(t, 1)[0] == pytest.approx((1 - s) * a[0] + s * b[0], abs=3e-3)  # two samples a column
     for k, s in enumerate(plan.times / 2.5):
         level = (1 - s) * tripod.base_spline(2.0 * s) + s * slow.base_spline(3.0 * s)
         assert plan.base_poses[k, 2:5] == pytest.approx(level[2:5], abs=1e-9)
