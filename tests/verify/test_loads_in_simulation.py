@@ -55,6 +55,10 @@ def test_a_box_is_lifted_held_and_put_down(verdict: Verdict) -> None:
     assert height[-1] == pytest.approx(0.06, abs=1e-3)
     named = {(c.name, c.segment) for c in verdict.checks}
     assert {("load_place", "box_lift"), ("load_angle", "box_open")} <= named
+    limits = {c.segment: c.limit for c in verdict.checks if c.name == "static_margin"}
+    assert {name for name, limit in limits.items() if limit is None} == {
+        "box_close", "box_lift", "box_lower", "box_open",
+    }  # fmt: skip
 
 
 def test_the_squeeze_is_what_was_asked_for(verdict: Verdict) -> None:

@@ -98,9 +98,16 @@ class StaticMargin(SegmentCheck):
         holds = bridged(bears, steps)[rows]
         margin = static_margin(trace.com[rows, :2], trace.contact_points[rows, :, :2], holds)
         value = lasting_minimum(margin, max(round(segment.limits.margin_hold_s / segment.dt), 1))
-        laden = any(holding.mass > 0.0 for holding in segment.entry.plan.holdings)
-        limit = segment.limit.laden_margin_mm if laden else None
-        return Finding.at_least(1000.0 * value, segment.limit.static_margin_mm if limit is None else limit, "mm")
+        return Finding.at_least(1000.0 * value, self._limit(segment), "mm")
+
+    @staticmethod
+    def _limit(segment: Segment) -> float | None:
+        """None while tips hold a load that is picked up or put down: where it stands, the robot leans on it, too."""
+        holdings, limit = segment.entry.plan.holdings, segment.limit
+        if any(h.limbs and (h.mass == 0.0 or len(h.poses) > 1) for h in holdings):
+            return None
+        laden = any(h.mass > 0.0 for h in holdings)
+        return limit.laden_margin_mm if laden and limit.laden_margin_mm is not None else limit.static_margin_mm
 
 
 def lasting_minimum(values: Array, hold: int) -> float:
