@@ -14,6 +14,8 @@ RESOLUTION = 0.06
 SOLVES = 9
 FARTHER = 1.3
 """How much shorter the next duration is at least, while none was too short yet."""
+HELPS = 0.95
+"""A longer cycle is of use when it lowers the load to at most this share."""
 LONGEST = 4.0
 """Times the robot's nominal duration: what needs more is refused."""
 STEADY_M = 0.003
@@ -67,14 +69,16 @@ def shortest(
 
     Speeds go about as one over the duration, so the load of a plan tells where to try next; what has no
     plan counts as overloaded.  Raises what the longest duration raised when none up to `LONGEST` times
-    the nominal one has a plan.
+    the nominal one has a plan, and `UnsolvedError` where a longer cycle does not lower the load: joint
+    speeds fall with it, the torques of quasi-static steps do not.
     """
     search = _Search(plan_at, load)
-    seconds = nominal_s
+    seconds, before = nominal_s, float("inf")
     while not search.attempt(seconds):
-        if seconds >= LONGEST * nominal_s:
-            raise _given_up(search, seconds)
         over = search.tried[seconds]
+        if seconds >= LONGEST * nominal_s or HELPS * before < over < float("inf"):
+            raise _given_up(search, seconds)
+        before = over
         seconds = min(LONGEST * nominal_s, seconds * min(2.0, over * 1.03 if over < float("inf") else 1.5))
     while len(search.tried) < SOLVES:
         if search.left >= search.best_s / (1.0 + RESOLUTION):
@@ -99,6 +103,10 @@ def _given_up(search: _Search, seconds: float) -> Exception:
     if search.failure is not None:
         return search.failure
     return UnsolvedError(
-        f"no duration up to {seconds:g} s keeps joint speeds and torques below their bounds",
-        {"families": ["duration"], "advice": "walk slower, or allow a higher speed_share or effort_share"},
+        f"no duration up to {seconds:.3g} s keeps joint speeds and torques below their bounds",
+        {
+            "families": ["duration"],
+            "loads": {f"{s:.3g} s": round(load, 3) for s, load in sorted(search.tried.items())},
+            "advice": "walk slower, take load off, or allow a higher speed_share or effort_share",
+        },
     )

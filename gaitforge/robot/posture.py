@@ -15,6 +15,10 @@ BEND = 0.10
 """A straight leg is shortened by this share of its reach to stand."""
 STRAIGHT = 0.97
 """A leg longer than this share of its reach counts as straight: it cannot move its foot outward."""
+REACHED = 1e-3
+"""[m] a foot this near to its goal is there."""
+NEXT = 1.5
+"""[rad] no other posture that reaches the goal is looked for when every joint stays within this."""
 LIFT = 0.12
 """[m] a foot is held above its standing place."""
 
@@ -52,6 +56,16 @@ class Chain:
         for joint, angle in zip(self.joints, q, strict=True):
             T = T @ joint.origin @ turn(joint.axis, float(angle))
         return np.asarray(T[:3, :3] @ self.foot.offset + T[:3, 3])
+
+    def jacobian(self, q: Sequence[float] | Array) -> Array:
+        """(3, n) ∂tip/∂q [m/rad]: each joint's axis × the way from the joint to the foot."""
+        T, axes, origins = np.eye(4), [], []
+        for joint, angle in zip(self.joints, q, strict=True):
+            T = T @ joint.origin @ turn(joint.axis, float(angle))
+            axes.append(T[:3, :3] @ joint.axis)
+            origins.append(T[:3, 3])
+        foot = T[:3, :3] @ self.foot.offset + T[:3, 3]
+        return np.cross(np.array(axes), foot - np.array(origins)).T
 
 
 def sampled(chain: Chain, count: int) -> Iterator[Array]:
@@ -101,8 +115,18 @@ def reach(chain: Chain, goal: Array, near: Array) -> Array:
     def residual(q: Array) -> Array:
         return np.concatenate([chain.tip(q) - goal, 1e-4 * (q - near)])
 
-    starts = [near, *(near + 0.25 * (np.clip(q, near - np.pi, near + np.pi) - near) for q in sampled(chain, 8))]
-    tries = [least_squares(residual, np.clip(q, lower, upper), bounds=(lower, upper)).x for q in starts]
+    def slope(q: Array) -> Array:
+        return np.vstack([chain.jacobian(q), 1e-4 * np.eye(len(q))])
+
+    def solved(start: Array) -> Array:
+        found = least_squares(residual, np.clip(start, lower, upper), jac=slope, bounds=(lower, upper))
+        return np.asarray(found.x)
+
+    first = solved(near)
+    if np.linalg.norm(chain.tip(first) - goal) < REACHED and np.abs(first - near).max() < NEXT:
+        return first
+    starts = (near + 0.25 * (np.clip(q, near - np.pi, near + np.pi) - near) for q in sampled(chain, 8))
+    tries = [first, *map(solved, starts)]
     best = min(float(np.linalg.norm(chain.tip(q) - goal)) for q in tries)
     good = [q for q in tries if np.linalg.norm(chain.tip(q) - goal) < best + 1e-3]
     return np.asarray(min(good, key=lambda q: round(float(np.abs(q - near).sum()), 6)))

@@ -123,7 +123,21 @@ def test_no_duration_is_found_where_none_has_a_plan(tripod: MotionPlan) -> None:
     with pytest.raises(UnsolvedError, match=f"nothing at {2.0 * LONGEST:g}"):
         shortest(2.0, plan_at, lambda p: 1.0)
     with pytest.raises(UnsolvedError, match="no duration up to 8 s"):
-        shortest(2.0, partial(planned, shape=tripod), lambda p: 3.0)
+        shortest(2.0, partial(planned, shape=tripod), lambda p: 20.0 / p.duration)
+
+
+def test_a_longer_cycle_is_not_looked_for_where_it_does_not_help(tripod: MotionPlan) -> None:
+    """Torques stay what they are; the search ends at the second duration."""
+    asked: list[float] = []
+
+    def plan_at(seconds: float) -> MotionPlan:
+        asked.append(seconds)
+        return planned(seconds, tripod)
+
+    with pytest.raises(UnsolvedError, match=r"no duration up to .* keeps joint speeds and torques") as caught:
+        shortest(2.0, plan_at, lambda p: 1.3)
+    assert len(asked) == 2
+    assert "take load off" in caught.value.explain["advice"]
 
 
 def test_a_duration_is_found_for_the_hexapod(hexapod: RobotModel, tripod: MotionPlan) -> None:
