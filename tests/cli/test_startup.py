@@ -96,6 +96,7 @@ def test_an_interrupt_during_the_optimisation_is_not_lost(tmp_path: Path) -> Non
 def test_the_footfall_search_leaves_the_handling_of_interrupts_to_python(tmp_path: Path) -> None:
     code = (
         "import re, signal\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a session in the background\n"
         "from gaitforge.footfall.synthesis import synthesize_gait_pattern\n"
         "from gaitforge.robot.load import load_robot\n"
         "synthesize_gait_pattern(load_robot('hexapod'), method='program')\n"

@@ -153,6 +153,7 @@ def interrupted(search, *arguments):
 
 def press_ctrl_c(seconds):
     """Press it after some seconds of processor time, in this very process: a busy machine changes nothing."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a session started in the background ignores it
     start = time.process_time()
 
     def wait_and_press():
