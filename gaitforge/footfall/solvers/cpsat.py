@@ -111,7 +111,7 @@ class CpSat:
         if lean:
             parameters.max_presolve_iterations, parameters.cp_model_probing_level = 0, 0
             parameters.symmetry_level, parameters.linearization_level = 0, 0
-            parameters.inprocessing_dtime_ratio, parameters.use_phase_saving = 0.0, False
+            parameters.use_sat_inprocessing, parameters.use_phase_saving = False, False
         return solver
 
     def _list_all(
