@@ -93,13 +93,8 @@ def pattern_of(robot: RobotModel, source: Any, key: str) -> FootfallPattern:
 
 def _stance_geometry(robot: RobotModel, walking: tuple[str, ...]) -> dict[str, Any]:
     """Footholds (n_F, 2) and centre of mass (2,) [m] of the nominal stance, limbs that do not walk held."""
-    nominal = robot.nominal
-    joints = np.array(nominal.posture, dtype=float)
-    for limb in robot.limbs:
-        if limb.name not in walking:
-            rows = robot.joint_indices(limb)
-            joints[rows] = nominal.held_posture[rows]
-    base = np.array([0.0, 0.0, nominal.body_height, 0.0, 0.0, 0.0])
+    joints = robot.standing_on(walking)
+    base = np.array([0.0, 0.0, robot.nominal.body_height, 0.0, 0.0, 0.0])
     return {
         "footholds": robot.foot_positions(base, joints)[:, :2],
         "center_of_mass": robot.center_of_mass(base, joints)[:2],

@@ -27,13 +27,7 @@ def under_load(robot: RobotModel, walking: Sequence[str]) -> RobotModel:
     and the robot's loads count.  What the motion optimiser pulls towards is then a stance that it can keep.
     A stance that is stable without any one of its feet stays as it is.
     """
-    nominal = robot.nominal
-    joints = np.array(nominal.posture, dtype=float)
-    for limb in robot.limbs:
-        if limb.name not in walking:
-            rows = robot.joint_indices(limb)
-            joints[rows] = nominal.held_posture[rows]
-    base = np.zeros(6)
+    joints, base = robot.standing_on(walking), np.zeros(6)
     feet = robot.foot_positions(base, joints)
     indices = [robot.limb_names.index(name) for name in walking]
     if _margin_of_crawl(robot, base, joints, indices) >= AMPLE:
@@ -44,7 +38,7 @@ def under_load(robot: RobotModel, walking: Sequence[str]) -> RobotModel:
             posture = _moved(robot, indices, share * ahead)
         except InfeasibleMotion:
             continue
-        return replace(robot, nominal=replace(nominal, posture=posture))
+        return replace(robot, nominal=replace(robot.nominal, posture=posture))
     return robot
 
 

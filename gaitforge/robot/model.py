@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -178,6 +178,15 @@ class RobotModel:
 
     def _row_numbers(self, joints: tuple[str, ...]) -> NDArray[np.intp]:
         return np.array([self.joint_names.index(j) for j in joints], dtype=np.intp)
+
+    def standing_on(self, walking: Collection[str]) -> Array:
+        """(n_J,) nominal posture of the limbs named, held posture of the others [rad]."""
+        joints = np.array(self.nominal.posture, dtype=float)
+        for limb in self.limbs:
+            if limb.name not in walking:
+                rows = self.joint_indices(limb)
+                joints[rows] = self.nominal.held_posture[rows]
+        return joints
 
     # -- Pinocchio in the conventions above -------------------------------------------------
     def configuration(self, base_pose: ArrayLike, joints: ArrayLike) -> Array:

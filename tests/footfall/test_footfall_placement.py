@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from shapely.geometry import MultiPoint, Point
 
+from benchmarks.lost_limbs import shapely_margin
 from gaitforge.errors import InfeasibleFootfall
 from gaitforge.footfall.constraints import SupportSectors, default_constraints, with_problem_families
 from gaitforge.footfall.from_robot import gait_problem
@@ -38,19 +38,6 @@ def dodecapod():
 
 def without(robot, *lost):
     return [n for n in robot.limb_names if n not in lost]
-
-
-def shapely_margin(pattern):
-    """Least distance of the centre of mass from the edge of the polygon, at both ends of every column."""
-    feet, m = np.array(pattern.info["footholds_m"]), pattern.columns
-    path = np.array(pattern.info.get("sway_m", [pattern.info["center_of_mass_m"]] * (m + 1)))
-    worst = np.inf
-    for j, stance in enumerate(pattern.contact.T):
-        polygon = MultiPoint([tuple(f) for f in feet[stance]]).convex_hull
-        for place in path[j : j + 2]:
-            distance = polygon.exterior.distance(Point(*place))
-            worst = min(worst, distance if polygon.covers(Point(*place)) else -distance)
-    return worst
 
 
 @pytest.mark.parametrize("lost", [("L2",), ("R3",), ("L1", "R2"), ("L2", "R2")])

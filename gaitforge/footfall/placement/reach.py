@@ -76,7 +76,7 @@ def reach_of(robot: RobotModel, problem: FootfallProblem) -> Reach:
     of the longest stance phase to either side of a foothold, so that much is taken off ahead and behind.
     """
     walking = tuple(i for i, n in enumerate(problem.limbs) if n in problem.locomotive_anywhere)
-    joints = _standing(robot, problem.locomotive_anywhere)
+    joints = robot.standing_on(problem.locomotive_anywhere)
     feet = robot.foot_positions(_base(robot), joints)[:, :2]
     center = robot.center_of_mass(_base(robot), joints)[:2]
     normals, extents, gain = _workspace(robot)
@@ -101,15 +101,6 @@ def _workspace(robot: RobotModel) -> tuple[Array, Array, Array]:
 
 def _base(robot: RobotModel) -> Array:
     return np.array([0.0, 0.0, robot.nominal.body_height, 0.0, 0.0, 0.0])
-
-
-def _standing(robot: RobotModel, walking: tuple[str, ...]) -> Array:
-    joints = np.array(robot.nominal.posture, dtype=float)
-    for limb in robot.limbs:
-        if limb.name not in walking:
-            rows = robot.joint_indices(limb)
-            joints[rows] = robot.nominal.held_posture[rows]
-    return joints
 
 
 def _extent(robot: RobotModel, joints: Array, walking: tuple[int, ...], ray: Array) -> Array:
