@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.holding import Holding
+from gaitforge.motion.manipulation.holding import Holding
 from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Failed, Role
 

@@ -55,7 +55,7 @@ def stuck(robot: RobotModel, roles: Mapping[str, Failed]) -> RobotModel:
 def kept_clear(robot: RobotModel, roles: Mapping[str, Failed], options: Options) -> Options:
     """The options with the feet of locked limbs kept off the ground in every segment; limp ones drag."""
     from gaitforge.motion.constraints.off_ground import OffGround
-    from gaitforge.motion.halt import CLEAR_M, foot_points
+    from gaitforge.motion.failure.halt import CLEAR_M, foot_points
     from gaitforge.motion.options import MotionOptions
 
     motion = options.motion or MotionOptions()

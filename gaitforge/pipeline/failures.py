@@ -69,8 +69,8 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
     Where the others cannot stand alone, failed feet on the ground go on bearing load, and there is no such stand.
     Raises `UnsolvedError` when there is no plan for a halt.
     """
-    from gaitforge.motion.cut import begun
-    from gaitforge.motion.halt import CLEAR_M, lowest, plan_clear, plan_halt
+    from gaitforge.motion.failure.cut import begun
+    from gaitforge.motion.failure.halt import CLEAR_M, lowest, plan_clear, plan_halt
 
     robot, name, motion = now.robot, gait.name, now.options.motion
     column = moment(robot, gait, failure, now.options.seed)
@@ -107,7 +107,7 @@ def moment(robot: RobotModel, gait: MotionPlan, failure: Failure, seed: int) -> 
 
 def _failed(robot: RobotModel, until: MotionPlan, failure: Failure) -> dict[str, Failed]:
     """Limb → its role from now on, with the posture that it has at the end of `until`, or hangs in after it."""
-    from gaitforge.motion.hanging import hanging_joints
+    from gaitforge.motion.failure.hanging import hanging_joints
 
     roles = {}
     for name in failure.limbs:

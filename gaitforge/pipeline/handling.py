@@ -18,7 +18,7 @@ from gaitforge.task.roles import Carry, Role
 from gaitforge.task.scene import Scene, SceneObject
 
 if TYPE_CHECKING:
-    from gaitforge.motion.handling import Carried
+    from gaitforge.motion.manipulation.pick_place import Carried
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Carriage:
 
     def _picks(self, robot: RobotModel, start: MotionPlan) -> list[MotionPlan]:
         """Backwards from the rest in which the walk begins: what is picked up last is fixed first."""
-        from gaitforge.motion.handling import plan_pick, rest_of
+        from gaitforge.motion.manipulation.pick_place import plan_pick, rest_of
 
         plans: list[MotionPlan] = []
         end, roles = rest_of(start, first=True), dict(start.roles)
@@ -59,7 +59,7 @@ class Carriage:
         return plans
 
     def _places(self, robot: RobotModel, scene: Scene, stop: MotionPlan) -> list[MotionPlan]:
-        from gaitforge.motion.handling import plan_place, rest_of
+        from gaitforge.motion.manipulation.pick_place import plan_place, rest_of
 
         plans: list[MotionPlan] = []
         start, held = rest_of(stop, first=False), {c.box.name: c for c in self.carried}
@@ -81,8 +81,8 @@ def carriage(robot: RobotModel, task: Task) -> Carriage:
     phases = tuple(p for p in task.phases if p.kind == "walk")
     if not picks:
         return Carriage(robot, replace(task, phases=phases), (), ())
-    from gaitforge.motion.footing import under_load
-    from gaitforge.motion.handling import carry
+    from gaitforge.motion.manipulation.footing import under_load
+    from gaitforge.motion.manipulation.pick_place import carry
 
     carried = tuple(carry(robot, _box(task.scene, pick.object), pick, (0.0, 0.0, 0.0)) for pick in picks)
     postures = {name: joints for c in carried for name, joints in c.joints.items()}

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from gaitforge.motion.holding import Holding
+from gaitforge.motion.manipulation.holding import Holding
 from gaitforge.motion.plan import Command, Stance
 from gaitforge.motion.timeline import Aim
 from gaitforge.robot.limbs import Foot, Limb, ToolMount

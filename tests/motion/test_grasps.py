@@ -10,11 +10,11 @@ import pinocchio
 import pytest
 
 from gaitforge.errors import InfeasibleMotion, UnsolvedError
-from gaitforge.motion.box_gap import box_gap
 from gaitforge.motion.dense import check_densely
-from gaitforge.motion.footing import under_load
-from gaitforge.motion.grasp import DEPTH
-from gaitforge.motion.handling import Carried, State, carry, plan_pick, plan_place
+from gaitforge.motion.manipulation.box_gap import box_gap
+from gaitforge.motion.manipulation.footing import under_load
+from gaitforge.motion.manipulation.grasp import DEPTH
+from gaitforge.motion.manipulation.pick_place import Carried, State, carry, plan_pick, plan_place
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.timeline_build import build_timeline
 from gaitforge.robot.model import RobotModel

@@ -9,8 +9,8 @@ import pytest
 import gaitforge as gf
 from gaitforge.footfall.given import stand_pattern
 from gaitforge.motion.constraints.off_ground import OffGround
-from gaitforge.motion.cut import begun
-from gaitforge.motion.halt import CLEAR_M, foot_points, lowest, plan_clear, plan_halt
+from gaitforge.motion.failure.cut import begun
+from gaitforge.motion.failure.halt import CLEAR_M, foot_points, lowest, plan_clear, plan_halt
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.state import end_state
 from gaitforge.robot.model import RobotModel

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from run_by_hand import SCENE, make_verdict
 
-from gaitforge.motion.holding import Holding
+from gaitforge.motion.manipulation.holding import Holding
 from gaitforge.record import write_log
 from gaitforge.record.reader import read_run
 from gaitforge.robot.load import load_robot

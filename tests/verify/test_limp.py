@@ -9,7 +9,7 @@ import pytest
 
 import gaitforge as gf
 from gaitforge.footfall.given import stand_pattern
-from gaitforge.motion.hanging import hanging_joints
+from gaitforge.motion.failure.hanging import hanging_joints
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.timeline_build import build_timeline
 from gaitforge.robot.model import RobotModel

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import gaitforge as gf
-from gaitforge.motion.footing import under_load
-from gaitforge.motion.handling import State, carry, plan_pick, plan_place
+from gaitforge.motion.manipulation.footing import under_load
+from gaitforge.motion.manipulation.pick_place import State, carry, plan_pick, plan_place
 from gaitforge.motion.timeline_build import build_timeline
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import quaternions

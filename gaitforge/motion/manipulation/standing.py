@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.inverse import tip_joints
+from gaitforge.motion.manipulation.inverse import tip_joints
 from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.inverse import nearest_joints, tip_joints, unturned_joints
+from gaitforge.motion.manipulation.inverse import nearest_joints, tip_joints, unturned_joints
 from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.given import stand_pattern
 from gaitforge.footfall.margin import support_margins
-from gaitforge.motion.box_gap import box_gap
-from gaitforge.motion.grasp import Grasp, side_grasp
-from gaitforge.motion.holding import Holding
+from gaitforge.motion.manipulation.box_gap import box_gap
+from gaitforge.motion.manipulation.grasp import Grasp, side_grasp
+from gaitforge.motion.manipulation.holding import Holding
+from gaitforge.motion.manipulation.standing import standing_joints
 from gaitforge.motion.plan import Command, MotionPlan, SolveReport
-from gaitforge.motion.standing import standing_joints
 from gaitforge.motion.trajectory import smooth_step
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.payload import Load

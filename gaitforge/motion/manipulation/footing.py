@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.errors import InfeasibleMotion
 from gaitforge.footfall.margin import support_margins
-from gaitforge.motion.inverse import tip_joints
+from gaitforge.motion.manipulation.inverse import tip_joints
 from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
