@@ -30,7 +30,12 @@ def change_case(hexapod: RobotModel) -> Instance:
     return instance(open_segment(hexapod, CHANGE, "transition", r=2, seed=5), seed=5)
 
 
-@pytest.fixture(params=["gait_case", "change_case"])
+@pytest.fixture(scope="module")
+def uneven_case(uneven: RobotModel) -> Instance:
+    return instance(gait_segment(uneven, PENTA, COMMAND, r=2))
+
+
+@pytest.fixture(params=["gait_case", "change_case", "uneven_case"])
 def case(request: pytest.FixtureRequest) -> Instance:
     found: Instance = request.getfixturevalue(request.param)
     return found
@@ -194,12 +199,12 @@ def test_joint_speed_bounds_the_mean_speed_of_every_interval(case: Instance) -> 
     assert found == pytest.approx(step)
 
 
-def test_clearance_rows_are_squared_distances_of_material_points(case: Instance, hexapod: RobotModel) -> None:
-    trajectory, grid = case.trajectory, case.trajectory.grid
+def test_clearance_rows_are_squared_distances_of_material_points(case: Instance) -> None:
+    trajectory, grid, robot = case.trajectory, case.trajectory.grid, case.trajectory.robot
     joints = path_of(case, 0).joints
-    segment = gait_segment(hexapod, PENTA, COMMAND, r=2)
+    segment = gait_segment(robot, PENTA, COMMAND, r=2)
     if not grid.cyclic:
-        segment = open_segment(hexapod, CHANGE, "transition", r=2, seed=5)
+        segment = open_segment(robot, CHANGE, "transition", r=2, seed=5)
     pairs = near_pairs(segment, segment.make_guess(segment.grid), 12)
     blocks = [b for b in case.problem.rows if b.family == "clearance"]
     values = np.concatenate([np.ravel(rows) for rows in rows_of(case, "clearance")])
@@ -209,13 +214,13 @@ def test_clearance_rows_are_squared_distances_of_material_points(case: Instance,
     expected = []
     for pair in pairs:
         k = pair.sample % grid.samples
-        data = hexapod.pin.createData()
-        pinocchio.forwardKinematics(hexapod.pin, data, hexapod.configuration(np.zeros(6), joints[k]))
+        data = robot.pin.createData()
+        pinocchio.forwardKinematics(robot.pin, data, robot.configuration(np.zeros(6), joints[k]))
         points = []
         for capsule, point in ((pair.first, pair.first_point), (pair.second, pair.second_point)):
             assert capsule.limb != BASE
-            name = hexapod.limbs[capsule.limb].joints[capsule.joint]
-            points.append(data.oMi[hexapod.pin.getJointId(name)].act(point))
+            name = robot.limbs[capsule.limb].joints[capsule.joint]
+            points.append(data.oMi[robot.pin.getJointId(name)].act(point))
         label = f"{pair.first.name}–{pair.second.name} at sample {k}"
         floor = (pair.first.radius + pair.second.radius + 0.004) ** 2
         expected.append((label, np.sum((points[0] - points[1]) ** 2), floor))
