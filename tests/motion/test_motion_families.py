@@ -10,7 +10,7 @@ import pytest
 
 from gaitforge.motion.bodies import BASE
 from gaitforge.motion.constraints import Progress
-from gaitforge.motion.costs import Body, Posture, Sharing, Smoothness, SwingProfile
+from gaitforge.motion.costs import Body, Pace, Posture, Sharing, Smoothness, SwingProfile
 from gaitforge.motion.plan import Command
 from gaitforge.motion.trajectory import Discretisation
 from gaitforge.robot.model import RobotModel
@@ -277,6 +277,26 @@ def test_body_pulls_to_height_level_line_and_course(gait_case: Instance, change_
             tilt = pose[3] ** 2 + pose[4] ** 2 + yaw**2
             expected += weights.height * height**2 + weights.orientation * tilt + weights.drift * drift**2
         assert cost_of(case, "body") == pytest.approx(grid.dt * expected, rel=1e-9)
+
+
+def test_pace_is_the_squared_deviation_from_the_commanded_velocity(hexapod: RobotModel) -> None:
+    command = Command(0.06, 0.4)
+    case = instance(gait_segment(hexapod, PENTA, command, r=2), more=(Pace(7.0),))
+    grid, path = case.trajectory.grid, path_of(case).base[1:, :2]  # from sample 0 to the first one of the next cycle
+    off = np.diff(path, axis=0) / grid.dt - 0.06 * np.array([np.cos(0.4), np.sin(0.4)])
+    assert cost_of(case, "pace") == pytest.approx(7.0 * grid.dt * (off**2).sum(), rel=1e-9)
+
+
+def test_a_body_that_turns_as_commanded_keeps_its_pace(hexapod: RobotModel) -> None:
+    case = instance(gait_segment(hexapod, PENTA, COMMAND, r=2), more=(Pace(),))
+    assert cost_of(case, "pace") > 0.01
+    case.x[case.trajectory.base] = [0.02, -0.03, 0.13, 0.0, 0.0, 0.0]
+    assert cost_of(case, "pace") == 0.0
+
+
+def test_pace_says_nothing_of_a_transition(hexapod: RobotModel) -> None:
+    case = instance(open_segment(hexapod, CHANGE, "transition", r=2, seed=5), seed=5, more=(Pace(),))
+    assert not any(term.family == "pace" for term in case.problem.terms)
 
 
 def test_sharing_pulls_the_weights_to_equal_shares(case: Instance) -> None:
