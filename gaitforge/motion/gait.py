@@ -145,24 +145,26 @@ def _guess(robot: RobotModel, stance: Stance, joints: Array, grid: Discretisatio
     base = np.zeros((count, 6))
     base[:, 2:5] = stance.body
     feet = np.tile(robot.foot_positions(base[0], stance.joints), (count, 1, 1))
-    for i in range(feet.shape[1]):
-        late = _stance_progress(grid.contact[:, i])
-        feet[:, i, :2] += planar_motion(grid.command, -late * grid.dt)[:, :2]
+    feet[..., :2] += planar_motion(grid.command, -_stance_progress(grid.contact) * grid.dt)[..., :2]
     return Guess(base, np.tile(joints, (count, 1)), feet)
 
 
 def _stance_progress(held: NDArray[np.bool_]) -> Array:
-    """(N,) intervals since the middle of the stance phase; linear back to the front during swing."""
+    """(N, n_F) intervals since the middle of the stance phase; linear back to the front during swing."""
     count = len(held)
-    progress = np.zeros(count)
-    if held.all() or not held.any():
-        return progress
-    lands = [k for k in range(count) if held[k] and not held[k - 1]]
-    for start in lands:
-        length = next(n for n in range(1, count + 1) if not held[(start + n) % count])
-        swing = next(n for n in range(1, count + 1) if held[(start + length + n) % count])
-        for n in range(length + 1):
-            progress[(start + n) % count] = n - length / 2
-        for n in range(1, swing):
-            progress[(start + length + n) % count] = length / 2 - length * n / swing
+    steps = held.any(axis=0) & ~held.all(axis=0)
+    here = np.tile(held[:, steps], (3, 1))  # a cycle before and one after
+    before = np.roll(here, 1, axis=0)
+    k = np.arange(len(here))[:, None]
+    landed = np.maximum.accumulate(np.where(here & ~before, k, 0))
+    lifts, lands = (
+        np.minimum.accumulate(np.where(change, k, len(here))[::-1])[::-1] for change in (~here & before, here & ~before)
+    )
+    middle, limb = slice(count, 2 * count), np.arange(here.shape[1])
+    since = (k - landed)[middle]
+    lift = lifts[landed[middle], limb]
+    length, swing = lift - landed[middle], lands[lift, limb] - lift
+    back = 0.5 * length - length * (since - length) / swing
+    progress = np.zeros(held.shape)
+    progress[:, steps] = np.where(since <= length, since - 0.5 * length, back)
     return progress

@@ -7,6 +7,7 @@ when it reads a limb's joints or foot); numbers that differ between samples come
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -15,9 +16,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.motion.family import Family
 from gaitforge.motion.problem import Kernel, Problem, kernel
-from gaitforge.motion.trajectory import Trajectory
+from gaitforge.motion.trajectory import Alike, Trajectory
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 Block = Literal["base", "com", "joints", "foot"]
 
 
@@ -35,6 +37,19 @@ class Instant:
     """(3,) centre of the foot sphere [m]"""
 
 
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """Where a family speaks, limb by limb and sample by sample."""
+
+    limbs: Sequence[int | None]
+    variables: Index
+    """(limbs · K, v)"""
+    parameters: Array
+    """(limbs · K, p)"""
+    sizes: tuple[int, ...]
+    """How many variables each block has"""
+
+
 class SampleFamily(Family):
     """Base of families that say the same at every sample."""
 
@@ -49,17 +64,24 @@ class SampleFamily(Family):
         """(p,) or, where they differ between samples, (K, p) numbers for `instant`; none by default."""
         return np.zeros(0)
 
-    def limbs(self, trajectory: Trajectory) -> tuple[int | None, ...]:
-        """The limbs spoken of; (None,) for a family of the body."""
-        return trajectory.moving if {"joints", "foot"} & set(self.reads) else (None,)
+    def _places(self, trajectory: Trajectory) -> Iterator[_Places]:
+        """Once for the body, or for all limbs with equally many joints."""
+        if not {"joints", "foot"} & set(self.reads):
+            yield self._of(trajectory, None, (None,))
+            return
+        for group in trajectory.alike:
+            yield self._of(trajectory, group, group.limbs)
 
-    def _places(self, trajectory: Trajectory, limb: int | None) -> tuple[Array, Array, tuple[int, ...]]:
-        """Variables (K, v), parameters (K, p) and the sizes of the blocks."""
-        blocks = [_block(trajectory, name, limb) for name in self.reads]
-        values = np.asarray(self.parameters(trajectory, limb), dtype=float)
-        if values.ndim < 2:
-            values = np.tile(values, (trajectory.grid.samples, 1))
-        return np.hstack(blocks), values, tuple(block.shape[1] for block in blocks)
+    def _of(self, trajectory: Trajectory, group: Alike | None, limbs: Sequence[int | None]) -> _Places:
+        samples = trajectory.grid.samples
+        blocks = [_block(trajectory, name, group) for name in self.reads]
+        shape = (len(limbs), samples)
+        variables = np.concatenate([np.broadcast_to(b, (*shape, b.shape[-1])) for b in blocks], axis=2)
+        given = [np.asarray(self.parameters(trajectory, limb), dtype=float) for limb in limbs]
+        values = np.stack([np.broadcast_to(v, (samples, v.shape[-1])) for v in given])
+        rows = len(limbs) * samples
+        sizes = tuple(int(block.shape[-1]) for block in blocks)
+        return _Places(limbs, variables.reshape(rows, -1), values.reshape(rows, values.shape[2]), sizes)
 
     def _split(self, v: Any, sizes: tuple[int, ...]) -> Instant:
         ends = np.cumsum((0, *sizes)).tolist()
@@ -75,14 +97,13 @@ class SampleConstraint(SampleFamily):
 
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """The rows of one instant for every sample (and limb)."""
-        for limb in self.limbs(trajectory):
-            variables, parameters, sizes = self._places(trajectory, limb)
-            compiled = self._kernel(sizes, parameters.shape[1])
-            samples = range(trajectory.grid.samples)
-            labels = [k if limb is None else (trajectory.robot.limbs[limb].name, k) for k in samples]
+        limbs, samples = trajectory.robot.limbs, range(trajectory.grid.samples)
+        for at in self._places(trajectory):
+            compiled = self._kernel(at.sizes, at.parameters.shape[1])
+            labels = [k if limb is None else (limbs[limb].name, k) for limb in at.limbs for k in samples]
             shape = (len(labels), compiled.sizes[2])
             rows = problem.add_rows(self.name, *self.bounds(), shape, self.unit, labels)
-            problem.add_term(self.name, compiled, variables, parameters, rows)
+            problem.add_term(self.name, compiled, at.variables, at.parameters, rows)
 
     def _kernel(self, sizes: tuple[int, ...], parameters: int) -> Kernel:
         return kernel((self, sizes), sum(sizes), parameters, lambda v, p: self.instant(self._split(v, sizes), p))
@@ -93,11 +114,10 @@ class SampleCost(SampleFamily):
 
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """The cost of one instant, times dt, for every sample (and limb)."""
-        for limb in self.limbs(trajectory):
-            variables, parameters, sizes = self._places(trajectory, limb)
-            seconds = np.full((len(parameters), 1), trajectory.grid.dt)
-            compiled = self._kernel(sizes, parameters.shape[1])
-            problem.add_term(self.name, compiled, variables, np.hstack([parameters, seconds]))
+        for at in self._places(trajectory):
+            seconds = np.full((len(at.parameters), 1), trajectory.grid.dt)
+            compiled = self._kernel(at.sizes, at.parameters.shape[1])
+            problem.add_term(self.name, compiled, at.variables, np.hstack([at.parameters, seconds]))
 
     def _kernel(self, sizes: tuple[int, ...], parameters: int) -> Kernel:
         def build(v: Any, p: Any) -> Any:
@@ -106,11 +126,11 @@ class SampleCost(SampleFamily):
         return kernel((self, sizes), sum(sizes), parameters + 1, build)
 
 
-def _block(trajectory: Trajectory, name: Block, limb: int | None) -> NDArray[np.intp]:
-    """(K, n) indices of a block's variables."""
+def _block(trajectory: Trajectory, name: Block, group: Alike | None) -> Index:
+    """(K, n) indices of a block's variables, (L, K, n) of limbs."""
     if name == "base":
         return trajectory.base
     if name == "com":
         return trajectory.com
-    assert limb is not None
-    return trajectory.joints[limb] if name == "joints" else trajectory.feet[limb]
+    assert group is not None
+    return group.joints if name == "joints" else group.feet

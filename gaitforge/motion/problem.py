@@ -10,6 +10,7 @@ these functions, so nothing large is ever differentiated, and a problem is ready
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -88,6 +89,13 @@ def kernel(key: Any, variables: int, parameters: int, build: Builder, derive: De
     return _kernels[full]
 
 
+def _filled(values: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """A new flat array of a shape, from values that broadcast to it."""
+    out = np.empty(shape)
+    out[...] = values
+    return out.ravel()
+
+
 def _nonzeros(matrix: Any) -> Any:
     import casadi as ca
 
@@ -122,7 +130,14 @@ class Rows:
     lower: Array
     upper: Array
     unit: str
-    labels: tuple[Any, ...]
+    spoken_of: Sequence[Any]
+    """A label for every `len(lower) / len(spoken_of)` rows"""
+
+    @cached_property
+    def labels(self) -> tuple[Any, ...]:
+        """What each row speaks of."""
+        each = len(self.lower) // max(len(self.spoken_of), 1)
+        return tuple(label for label in self.spoken_of for _ in range(each))
 
 
 @dataclass
@@ -141,8 +156,8 @@ class Problem:
         """New variables in the shape of `guess`; where lower equals upper they are constants."""
         start = np.array(guess, dtype=float)
         self.guess.append(start.ravel())
-        self.lower.append(np.broadcast_to(np.asarray(lower, dtype=float), start.shape).ravel().copy())
-        self.upper.append(np.broadcast_to(np.asarray(upper, dtype=float), start.shape).ravel().copy())
+        self.lower.append(_filled(lower, start.shape))
+        self.upper.append(_filled(upper, start.shape))
         index = np.arange(self.size, self.size + start.size, dtype=np.intp).reshape(start.shape)
         self.size += start.size
         return index
@@ -151,12 +166,9 @@ class Problem:
         self, family: str, lower: ArrayLike, upper: ArrayLike, shape: tuple[int, ...], unit: str, labels: Sequence[Any]
     ) -> Index:
         """New constraint rows; `labels` has one entry per first index of `shape`."""
-        count = int(np.prod(shape))
-        low = np.broadcast_to(np.asarray(lower, dtype=float), shape).ravel().copy()
-        high = np.broadcast_to(np.asarray(upper, dtype=float), shape).ravel().copy()
-        each = count // max(len(labels), 1)
-        spread = tuple(label for label in labels for _ in range(each))
-        self.rows.append(Rows(family, self.row_count, low, high, unit, spread))
+        count = math.prod(shape)
+        low, high = _filled(lower, shape), _filled(upper, shape)
+        self.rows.append(Rows(family, self.row_count, low, high, unit, labels))
         index = np.arange(self.row_count, self.row_count + count, dtype=np.intp).reshape(shape)
         self.row_count += count
         return index
@@ -171,10 +183,10 @@ class Problem:
     ) -> None:
         """Instances of a kernel: (n, nv) variables, (n, np) parameters, (n, nr) rows or None for a cost."""
         v = np.asarray(variables, dtype=np.intp).reshape(-1, compiled.sizes[0])
-        p = np.broadcast_to(np.asarray(parameters, dtype=float), (len(v), compiled.sizes[1]))
+        p = _filled(parameters, (len(v), compiled.sizes[1])).reshape(len(v), compiled.sizes[1])
         r = None if rows is None else np.asarray(rows, dtype=np.intp).reshape(len(v), compiled.sizes[2])
         if len(v):
-            self.terms.append(Term(family, compiled, v, np.array(p), r))
+            self.terms.append(Term(family, compiled, v, p, r))
 
     # -- vectors ---------------------------------------------------------------------------
     @property

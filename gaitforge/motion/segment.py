@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.motion.family import Family
+from gaitforge.motion.layout import lay_out
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, Kind, MotionPlan, SolveReport
 from gaitforge.motion.problem import Problem
 from gaitforge.motion.solvers.solution import Solution, Start
-from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, lay_out, planar_motion
+from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, planar_motion
 from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Role
@@ -80,8 +81,8 @@ class Segment:
     def _plan(self, trajectory: Trajectory, solution: Solution, seconds: float, size: Mapping[str, int]) -> MotionPlan:
         grid, x = self.grid, solution.x
         joints = np.tile(self.fixed_joints, (grid.samples, 1))
-        for i, index in trajectory.joints.items():
-            joints[:, self.robot.joint_indices(self.robot.limbs[i])] = x[index]
+        for group in trajectory.alike:
+            joints[:, group.rows] = x[group.joints].transpose(1, 0, 2)
         base = x[trajectory.base]
         if grid.cyclic:
             joints, base = np.vstack([joints, joints[:1]]), self._in_world(np.vstack([base, base[:1]]))
@@ -127,10 +128,10 @@ def _weights(trajectory: Trajectory, x: Array) -> Array:
     grid = trajectory.grid
     weights = np.zeros((grid.intervals + 1, 2, grid.contact.shape[1]))
     for k, feet, index in trajectory.weights:
+        share = x[index] / x[index].sum()
         for side, interval in ((0, k - 1), (1, k)):
-            inside = grid.cyclic or 0 <= interval < grid.intervals
-            if inside and tuple(np.flatnonzero(grid.contact[interval % grid.intervals])) == feet:
-                weights[k, side, list(feet)] = x[index] / x[index].sum()
+            if (grid.cyclic or 0 <= interval < grid.intervals) and grid.stance_feet(interval) == feet:
+                weights[k, side, list(feet)] = share
     if grid.cyclic:
         weights[-1] = weights[0]
     return weights

@@ -14,15 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import Command, Stance
-from gaitforge.motion.problem import Problem
-from gaitforge.robot.kinematics import base_body, evaluate_limb, limb_parameters
 from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Index = NDArray[np.intp]
-TAKE_OFF = 0.1
-"""How much higher than asked for a foot may be one interval from the ground, as a part of the step height"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +144,38 @@ class Discretisation:
         return from_start * start + from_end * end
 
     @cached_property
+    def _stance_feet(self) -> tuple[tuple[int, ...], ...]:
+        """(m,) of every column"""
+        return tuple(tuple(np.flatnonzero(column).tolist()) for column in self.pattern.contact.T)
+
+    def stance_feet(self, interval: int) -> tuple[int, ...]:
+        """The feet in stance over an interval; in a gait any whole number names one."""
+        return self._stance_feet[interval // self.samples_per_column % len(self._stance_feet)]
+
+    @cached_property
+    def swings(self) -> tuple[Index, Index, Index]:
+        """Swings that begin and end on the ground: limb, last ground sample before, first one after it (≥ K: wrapped).
+
+        Limb by limb, in the order of time; each (swings,).
+        """
+        limb, stands = np.nonzero(self.ground.T)
+        following = np.roll(stands, -1)
+        last = np.append(limb[1:] != limb[:-1], True)[: len(limb)]
+        first = np.roll(last, 1)
+        following[last] = stands[first] + self.samples
+        away = (following - stands > 1) & (self.cyclic | ~last)
+        return limb[away], stands[away], following[away]
+
+    @cached_property
+    def airborne(self) -> tuple[Index, Index, Index, Index]:
+        """Samples of these swings: limb, sample (≥ K: wrapped), and the ground samples before and after it."""
+        limb, lift, land = self.swings
+        inside = land - lift - 1
+        count = np.arange(inside.sum()) - np.repeat(np.cumsum(inside) - inside, inside)
+        limb, lift, land = (np.repeat(each, inside) for each in (limb, lift, land))
+        return limb, lift + 1 + count, lift, land
+
+    @cached_property
     def from_ground(self) -> NDArray[np.float64]:
         """(K, n_F) number of samples to the nearest ground sample (inf when there is none)."""
         order = np.arange(self.samples)
@@ -174,6 +202,22 @@ def planar_motion(command: Command, seconds: ArrayLike) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+class Alike:
+    """Moving limbs with equally many joints, of which the same functions speak."""
+
+    limbs: tuple[int, ...]
+    """L of them"""
+    rows: Index
+    """(L, n) their joints among all joints"""
+    joints: Index
+    """(L, K, n) variables"""
+    feet: Index
+    """(L, K, 3) variables: centres of the foot spheres"""
+    parameters: Array
+    """(L, p) kinematic parameters"""
+
+
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """Where the variables of each sample stand in the problem's vector."""
 
@@ -187,6 +231,8 @@ class Trajectory:
     """(K, 6)"""
     com: Index
     """(K, 3)"""
+    alike: tuple[Alike, ...]
+    """The moving limbs, those with equally many joints together"""
     joints: dict[int, Index]
     """limb → (K, n)"""
     feet: dict[int, Index]
@@ -203,6 +249,14 @@ class Trajectory:
     step_height: float = field(kw_only=True)
     """[m]"""
 
+    @cached_property
+    def foot_places(self) -> Index:
+        """(n_F, K, 3) variables of the centres of all foot spheres; −1 for limbs that do not move."""
+        places = np.full((len(self.robot.limbs), self.grid.samples, 3), -1, dtype=np.intp)
+        for group in self.alike:
+            places[list(group.limbs)] = group.feet
+        return places
+
 
 @dataclass(frozen=True, eq=False)
 class Guess:
@@ -214,128 +268,3 @@ class Guess:
     """(K, n_J)"""
     feet: Array
     """(K, n_F, 3)"""
-
-
-def lay_out(
-    problem: Problem,
-    robot: RobotModel,
-    grid: Discretisation,
-    moving: tuple[int, ...],
-    fixed_joints: Array,
-    guess: Guess,
-    step_height: float,
-    minimum_weight: float,
-    tilt: float,
-    height_range: float,
-    joint_margin: float,
-) -> Trajectory:
-    """Add the variables of a segment to the problem, with their bounds."""
-    count = grid.samples
-    parameters = {i: limb_parameters(robot, limb) for i, limb in enumerate(robot.limbs)}
-    mass, moment = _lumped(robot, moving, fixed_joints, parameters)
-    stance = grid.stances(robot)
-    base = problem.add_variables(guess.base, *_base_bounds(grid, guess, stance, tilt, height_range))
-    com_guess = np.array([robot.center_of_mass(b, q) for b, q in zip(guess.base[:1], guess.joints[:1], strict=True)])
-    com = problem.add_variables(com_guess + guess.base[:, :3] - guess.base[:1, :3], -np.inf, np.inf)
-    joints, feet = {}, {}
-    for i in moving:
-        rows = robot.joint_indices(robot.limbs[i])
-        start = guess.joints[:, rows]
-        low = np.tile(np.minimum(robot.lower[rows] + joint_margin, start.min(axis=0)), (count, 1))
-        high = np.tile(np.maximum(robot.upper[rows] - joint_margin, start.max(axis=0)), (count, 1))
-        for at, end in ((0, grid.start), (-1, grid.end)):
-            if end is not None and not end.rest:
-                low[at] = high[at] = start[at] = end.joints[rows]
-        joints[i] = problem.add_variables(start, low, high)
-        bounds = _foot_bounds(robot, grid, i, step_height)
-        feet[i] = problem.add_variables(guess.feet[:, i], *bounds)
-    weights = _add_weights(problem, grid, minimum_weight)
-    return Trajectory(
-        robot, grid, moving, fixed_joints, base, com, joints, feet, weights, parameters, mass, moment,
-        stance=stance, step_height=step_height,
-    )  # fmt: skip
-
-
-def _lumped(
-    robot: RobotModel, moving: tuple[int, ...], fixed: Array, parameters: dict[int, Array]
-) -> tuple[float, Array]:
-    mass, moment = base_body(robot)
-    for i, limb in enumerate(robot.limbs):
-        if i not in moving:
-            moment = moment + evaluate_limb(fixed[None, robot.joint_indices(limb)], parameters[i]).moment[0]
-    return mass, moment
-
-
-def _base_bounds(
-    grid: Discretisation, guess: Guess, stance: Stance, tilt: float, height_range: float
-) -> tuple[Array, Array]:
-    low, high = np.full(guess.base.shape, -np.inf), np.full(guess.base.shape, np.inf)
-    low[:, 2], high[:, 2] = guess.base[:, 2] - height_range, guess.base[:, 2] + height_range
-    low[:, 3:5], high[:, 3:5] = stance.body[:, 1:] - tilt, stance.body[:, 1:] + tilt
-    low[:, 5], high[:, 5] = guess.base[:, 5] - 0.5, guess.base[:, 5] + 0.5
-    if grid.cyclic:
-        low[0, :2] = high[0, :2] = guess.base[0, :2]  # the gauge: where the gait begins does not matter
-    if grid.start is not None and not grid.start.rest:
-        low[0] = high[0] = guess.base[0] = grid.start.base
-    if grid.end is not None and not grid.end.rest:
-        low[-1, 2:] = high[-1, 2:] = guess.base[-1, 2:] = grid.end.base[2:]
-    return low, high
-
-
-def _foot_bounds(robot: RobotModel, grid: Discretisation, limb: int, step_height: float) -> tuple[Array, Array]:
-    """Sphere centre at its radius on the ground, at least the step height away from it; ends are free.
-
-    Where there is time a foot leaves and meets the ground slowly: a spline that has to climb half a step in its
-    first interval dips in the one before, where the foot stands.
-    """
-    radius = robot.limbs[limb].foot.radius
-    low, high = np.full((grid.samples, 3), -np.inf), np.full((grid.samples, 3), np.inf)
-    away = grid.from_ground[:, limb]
-    ground = grid.ground[:, limb]
-    ramp = _ramp(grid, ground)
-    low[:, 2] = radius + step_height * smooth_step(np.minimum(1.0, away / ramp))
-    gentle = (away == 1) & (ramp > grid.samples_per_column)
-    high[gentle, 2] = low[gentle, 2] + TAKE_OFF * step_height
-    high[ground, 2] = low[ground, 2] = radius
-    for at, end in ((0, grid.start), (-1, grid.end)):
-        if end is not None and not end.rest:
-            low[at], high[at] = -np.inf, np.inf
-    return low, high
-
-
-def _ramp(grid: Discretisation, ground: NDArray[np.bool_]) -> Array:
-    """(K,) intervals in which a foot reaches its step height: two columns where the swing is long enough for that."""
-    ramp = np.full(grid.samples, float(grid.samples_per_column))
-    for lift, land in swings(ground, grid.cyclic):
-        gentle = min(2.0 * grid.samples_per_column, 0.5 * (land - lift))
-        ramp[np.arange(lift, land + 1) % grid.samples] = max(grid.samples_per_column, gentle)
-    stands = np.flatnonzero(ground)
-    if not grid.cyclic and len(stands):  # lifted for good, or landing from the gait before
-        most = 2.0 * grid.samples_per_column
-        ramp[: stands[0]] = max(grid.samples_per_column, min(most, stands[0]))
-        ramp[stands[-1] + 1 :] = max(grid.samples_per_column, min(most, grid.samples - 1 - stands[-1]))
-    return ramp
-
-
-def swings(ground: NDArray[np.bool_], cyclic: bool) -> list[tuple[int, int]]:
-    """(last ground sample, first ground sample after it) of every swing that has both; the latter may exceed K."""
-    stands = np.flatnonzero(ground)
-    if not len(stands):
-        return []
-    following = np.append(stands[1:], stands[0] + len(ground)) if cyclic else stands[1:]
-    return [(int(a), int(b)) for a, b in zip(stands, following, strict=False) if b - a > 1]
-
-
-def _add_weights(
-    problem: Problem, grid: Discretisation, minimum_weight: float
-) -> tuple[tuple[int, tuple[int, ...], Index], ...]:
-    """CoP weights for the feet of the interval before and of the one after each sample."""
-    held, out = grid.contact, []
-    for k in range(grid.samples):
-        around = [k - 1, k] if grid.cyclic else [j for j in (k - 1, k) if 0 <= j < grid.intervals]
-        sets = {tuple(np.flatnonzero(held[j % grid.intervals]).tolist()) for j in around}
-        for feet in sorted(sets):
-            share = 1.0 / len(feet)
-            index = problem.add_variables(np.full(len(feet), share), minimum_weight * share, np.inf)
-            out.append((k, feet, index))
-    return tuple(out)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
@@ -30,6 +31,15 @@ class Carriage:
     walk: Task
     carried: tuple[Carried, ...]
     places: tuple[Place, ...]
+
+    def steadied(self, options: Options) -> Options:
+        """What the walk is planned with: with a load the body goes steadily and the feet go higher."""
+        if not self.carried:
+            return options
+        from gaitforge.motion.manipulation.steady import steadied
+        from gaitforge.motion.options import MotionOptions
+
+        return replace(options, motion=steadied(options.motion or MotionOptions(), self.robot))
 
     def around(self, bare: RobotModel, scene: Scene, walking: list[Segment], watch: Stopwatch) -> list[Segment]:
         """The stands of picking up, the walk itself, the stands of putting down; `bare` is the robot without loads."""

@@ -33,6 +33,7 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
     """
     with watch.stage("motion"):
         load = carriage(robot, task)
+        options = load.steadied(options)
     walk = load.walk
     refuse_hopeless(load.robot, walk, options)
     now, ends = Damage(load.robot, options), list[MotionPlan]()

@@ -84,7 +84,7 @@ def _grounded(tree: RigidTree, feet: list[Foot], notes: list[str]) -> list[Foot]
     kept = []
     for foot, chain, height in zip(feet, chains, heights, strict=True):
         if height > ground + NEAR_GROUND:
-            lowest = min(float(chain.tip(q)[2]) for q in sampled(chain, SAMPLES)) - foot.radius
+            lowest = float(chain.tip(sampled(chain, SAMPLES))[:, 2].min()) - foot.radius
             if lowest > ground + NEAR_GROUND:
                 notes.append(f"link {foot.link}: never reaches the ground of the others, taken for no foot")
                 continue

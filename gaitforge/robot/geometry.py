@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 ShapeKind = Literal["box", "cylinder", "sphere", "mesh"]
@@ -39,12 +39,14 @@ def inverse(T: Array) -> Array:
     return out
 
 
-def turn(axis: Sequence[float], angle: float) -> Array:
-    """(4, 4) rotation by `angle` [rad] about the unit vector `axis` (Rodrigues' formula)."""
+def turn(axis: Sequence[float], angle: ArrayLike) -> Array:
+    """(…, 4, 4) rotation by angles (…) [rad] about the unit vector `axis` (Rodrigues' formula)."""
     x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    out = np.eye(4)
-    out[:3, :3] += np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
+    by = np.asarray(angle, dtype=float)[..., None, None]
+    out = np.zeros((*by.shape[:-2], 4, 4))
+    out[..., :3, :3] = np.eye(3) + np.sin(by) * K + (1.0 - np.cos(by)) * (K @ K)
+    out[..., 3, 3] = 1.0
     return out
 
 

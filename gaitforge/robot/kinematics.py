@@ -176,40 +176,82 @@ class LimbPoses(NamedTuple):
 
 def evaluate_limb(joints: Array, parameters: Array) -> LimbPoses:
     """Forward kinematics of one limb at (n, n_joints) joint positions."""
-    return LimbPoses(*(part[0] for part in _forward(joints[None], parameters[None])))
+    return LimbPoses(*(part[0] for part in _forward(joints[None], _links(parameters[None]))))
 
 
 def evaluate_limbs(robot: RobotModel, joints: Array) -> dict[int, LimbPoses]:
     """Limb index → forward kinematics at (n, n_J) joint positions of the robot; limbs alike are taken together."""
-    alike: dict[int, list[int]] = {}
-    for i, limb in enumerate(robot.limbs):
-        alike.setdefault(len(limb.joints), []).append(i)
     poses: dict[int, LimbPoses] = {}
-    for members in alike.values():
-        rows = np.array([robot.joint_indices(robot.limbs[i]) for i in members])
-        found = _forward(
-            joints[:, rows].transpose(1, 0, 2), np.array([limb_parameters(robot, robot.limbs[i]) for i in members])
-        )
+    for members, rows, links in _alike(robot):
+        found = _forward(joints[:, rows].transpose(1, 0, 2), links)
         poses |= {i: LimbPoses(*(part[k] for part in found)) for k, i in enumerate(members)}
     return {i: poses[i] for i in range(len(robot.limbs))}
 
 
-def _forward(joints: Array, parameters: Array) -> tuple[Array, ...]:
-    """The fields of `LimbPoses` for L limbs: joints (L, n, n_joints), parameters (L, p)."""
+class _Links(NamedTuple):
+    """What the forward kinematics of L limbs with n joints each make of their parameters.
+
+    A joint at angle q turns its body by `still` + cos q `cosine` + sin q `sine` (Rodrigues' formula).
+    """
+
+    still: Array
+    """(L, n, 3, 3)"""
+    cosine: Array
+    sine: Array
+    offset: Array
+    """(L, n, 3) of the joint from the one before"""
+    mass: Array
+    """(L, n)"""
+    moment: Array
+    """(L, n, 3) first moment of the body"""
+    foot: Array
+    """(L, 3) in the frame of the last body"""
+
+
+_robots: WeakKeyDictionary[RobotModel, tuple[tuple[list[int], NDArray[np.intp], _Links], ...]] = WeakKeyDictionary()
+
+
+def _alike(robot: RobotModel) -> tuple[tuple[list[int], NDArray[np.intp], _Links], ...]:
+    """Limbs with equally many joints, their joints among all (L, n), and their links."""
+    if robot not in _robots:
+        alike: dict[int, list[int]] = {}
+        for i, limb in enumerate(robot.limbs):
+            alike.setdefault(len(limb.joints), []).append(i)
+        _robots[robot] = tuple(
+            (
+                members,
+                np.array([robot.joint_indices(robot.limbs[i]) for i in members]),
+                _links(np.array([limb_parameters(robot, robot.limbs[i]) for i in members])),
+            )
+            for members in alike.values()
+        )
+    return _robots[robot]
+
+
+def _links(parameters: Array) -> _Links:
+    limbs, size = parameters.shape
+    count = (size - 3) // JOINT_PARAMETERS
+    p = parameters[:, : JOINT_PARAMETERS * count].reshape(limbs, count, JOINT_PARAMETERS)
+    placed, axis = p[..., :9].reshape(limbs, count, 3, 3).swapaxes(2, 3), p[..., 12:15]
+    along = placed @ (axis[..., :, None] * axis[..., None, :])
+    foot = parameters[:, JOINT_PARAMETERS * count :]
+    return _Links(along, placed - along, placed @ _skew(axis), p[..., 9:12], p[..., 15], p[..., 16:19], foot)
+
+
+def _forward(joints: Array, links: _Links) -> tuple[Array, ...]:
+    """The fields of `LimbPoses` for L limbs: joints (L, n, n_joints)."""
     limbs, n, count = joints.shape
-    rotation, position, moment = np.eye(3), np.zeros((limbs, n, 3)), np.zeros((limbs, n, 3))
+    position, moment = np.zeros((limbs, n, 3)), np.zeros((limbs, n, 3))
     origins, turns = np.empty((limbs, n, count, 3)), np.empty((limbs, n, count, 3, 3))
     c, s = np.cos(joints)[..., None, None], np.sin(joints)[..., None, None]
+    turned = links.still[:, None] + c * links.cosine[:, None] + s * links.sine[:, None]
+    rotation = np.eye(3)
     for i in range(count):
-        p = parameters[:, None, JOINT_PARAMETERS * i : JOINT_PARAMETERS * (i + 1)]  # (L, 1, …)
-        placed, axis = p[..., :9].reshape(limbs, 1, 3, 3).swapaxes(2, 3), p[..., 12:15]
-        along = placed @ (axis[..., :, None] * axis[..., None, :])
-        across = placed @ _skew(axis)
-        position = position + _turned(rotation, p[..., 9:12])
-        rotation = rotation @ (along + c[:, :, i] * (placed - along) + s[:, :, i] * across)
-        moment = moment + p[..., 15:16] * position + _turned(rotation, p[..., 16:19])
+        position = position + _turned(rotation, links.offset[:, None, i])
+        rotation = rotation @ turned[:, :, i]
+        moment = moment + links.mass[:, None, i, None] * position + _turned(rotation, links.moment[:, None, i])
         origins[:, :, i], turns[:, :, i] = position, rotation
-    foot = position + _turned(rotation, parameters[:, None, JOINT_PARAMETERS * count :])
+    foot = position + _turned(rotation, links.foot[:, None])
     return foot, rotation, moment, origins, turns
 
 

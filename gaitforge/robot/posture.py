@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.robot.geometry import Array, turn
 from gaitforge.robot.limbs import Foot, Limb
@@ -50,12 +51,12 @@ class Chain:
         """(n,) zero, or the limit next to it [rad]"""
         return np.clip(np.zeros(len(self.joints)), self.lower, self.upper)
 
-    def tip(self, q: Sequence[float] | Array) -> Array:
-        """(3,) centre of the foot sphere in the base frame [m]."""
-        T = np.eye(4)
-        for joint, angle in zip(self.joints, q, strict=True):
-            T = T @ joint.origin @ turn(joint.axis, float(angle))
-        return np.asarray(T[:3, :3] @ self.foot.offset + T[:3, 3])
+    def tip(self, q: ArrayLike) -> Array:
+        """(…, 3) centre of the foot sphere in the base frame [m] at joint positions (…, n) [rad]."""
+        T, angles = np.eye(4), np.asarray(q, dtype=float)
+        for k, joint in enumerate(self.joints):
+            T = T @ joint.origin @ turn(joint.axis, angles[..., k])
+        return np.asarray(T[..., :3, :3] @ self.foot.offset + T[..., :3, 3])
 
     def jacobian(self, q: Sequence[float] | Array) -> Array:
         """(3, n) ∂tip/∂q [m/rad]: each joint's axis × the way from the joint to the foot."""
@@ -68,12 +69,30 @@ class Chain:
         return np.cross(np.array(axes), foot - np.array(origins)).T
 
 
-def sampled(chain: Chain, count: int) -> Iterator[Array]:
-    """`count` postures spread over the limits, the same ones every time."""
-    from scipy.stats import qmc
+def sampled(chain: Chain, count: int) -> Array:
+    """(count, n) postures spread over the limits, the same ones every time: points of Halton (1960)."""
+    points = np.stack([_mirrored(np.arange(count), base) for base in _primes(len(chain.joints))], axis=1)
+    return np.asarray(chain.lower + points * (chain.upper - chain.lower))
 
-    points = qmc.Halton(len(chain.joints), scramble=False).random(count)
-    yield from chain.lower + points * (chain.upper - chain.lower)
+
+def _mirrored(numbers: NDArray[np.intp], base: int) -> Array:
+    """Digits of whole numbers mirrored at the point: 6 = 110 in base 2 becomes 0.011 = 3/8."""
+    out, weight, left = np.zeros(len(numbers)), 1.0, numbers
+    while left.any():
+        weight /= base
+        left, digit = np.divmod(left, base)
+        out += weight * digit
+    return out
+
+
+def _primes(count: int) -> list[int]:
+    found: list[int] = []
+    candidate = 2
+    while len(found) < count:
+        if all(candidate % p for p in found):
+            found.append(candidate)
+        candidate += 1
+    return found
 
 
 def standing(tree: RigidTree, limbs: Sequence[Limb]) -> dict[str, float]:
@@ -135,5 +154,5 @@ def reach(chain: Chain, goal: Array, near: Array) -> Array:
 def _lengths(chain: Chain) -> tuple[float, float]:
     """Of the leg from its second joint on: distance of the foot at rest, and the farthest it can be [m]."""
     leg = Chain(chain.joints[min(2, len(chain.joints) - 1) :], chain.foot)
-    lengths = [float(np.linalg.norm(leg.tip(q))) for q in (leg.rest, *sampled(leg, 200))]
-    return lengths[0], max(lengths)
+    lengths = np.linalg.norm(leg.tip(np.vstack([leg.rest, sampled(leg, 200)])), axis=1)
+    return float(lengths[0]), float(lengths.max())

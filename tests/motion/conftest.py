@@ -9,7 +9,7 @@ import gaitforge as gf
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import CHANGE, PATIENT, PENTA, TRIPOD
-from tests.robot.kit import write_robot
+from tests.robot.kit import shipped, write_robot
 
 TUCKED = (0.2, 0.6, 0.3)
 """[rad] where R1 is held in the gait on five limbs."""
@@ -30,7 +30,21 @@ def dodecapod() -> RobotModel:
     return gf.load_robot("dodecapod")
 
 
-@pytest.fixture(scope="session", params=["hexapod", "quadruped", "dodecapod"])
+@pytest.fixture(scope="session")
+def uneven(tmp_path_factory: pytest.TempPathFactory) -> RobotModel:
+    """A hexapod whose middle legs have a joint more than the others."""
+    legs = "    mounts: {L1: left_1, L2: left_2, L3: left_3, R1: right_1, R2: right_2, R3: right_3}\n"
+    middle = (
+        "    mounts: {L1: left_1, L3: left_3, R1: right_1, R3: right_3}\n"
+        "  middle:\n    chain: [joint, joint, joint, extension, joint, elbow_foot]\n"
+        "    mounts: {L2: left_2, R2: right_2}\n"
+    )
+    text = shipped("hexapod")
+    postures = text[text.index("  posture:") : text.index("  speed:")]
+    return gf.load_robot(write_robot(tmp_path_factory.mktemp("uneven"), "hexapod", (legs, middle), (postures, "")))
+
+
+@pytest.fixture(scope="session", params=["hexapod", "quadruped", "dodecapod", "uneven"])
 def any_robot(request: pytest.FixtureRequest) -> RobotModel:
     robot: RobotModel = request.getfixturevalue(request.param)
     return robot

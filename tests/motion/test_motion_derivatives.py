@@ -16,6 +16,7 @@ from gaitforge.motion.assembly import assemble
 from gaitforge.motion.constraints.locked import Locked
 from gaitforge.motion.constraints.off_ground import OffGround
 from gaitforge.motion.constraints.trunk_height import TrunkHeight
+from gaitforge.motion.costs.pace import Pace
 from gaitforge.motion.family import Family
 from gaitforge.motion.plan import Command
 from gaitforge.motion.problem import Problem, Term
@@ -42,7 +43,7 @@ STEP = 1e-5
 
 @pytest.fixture(scope="module")
 def turning_gait(hexapod: RobotModel) -> Instance:
-    return instance(gait_segment(hexapod, PENTA, Command(0.06, 0.4, 0.5)), more=(OFF, TRUNK))
+    return instance(gait_segment(hexapod, PENTA, Command(0.06, 0.4, 0.5)), more=(OFF, TRUNK, Pace()))
 
 
 @pytest.fixture(scope="module")
@@ -86,10 +87,10 @@ def close(found: np.ndarray, expected: np.ndarray, what: str) -> None:
 
 def test_every_family_is_in_the_cases(turning_gait: Instance, transition: Instance, stand: Instance) -> None:
     seams = {"progress", "locked"}
-    for case, extra in ((turning_gait, set()), (transition, seams), (stand, seams)):
+    for case, extra, own in ((turning_gait, set(), {"pace"}), (transition, seams, set()), (stand, seams, set())):
         constraints = {t.family for t in case.problem.terms if t.rows is not None}
         assert constraints == CONSTRAINTS | extra
-        assert {t.family for t in case.problem.terms if t.rows is None} == COSTS
+        assert {t.family for t in case.problem.terms if t.rows is None} == COSTS | own
     pairs = {t.kernel.sizes[0] for t in turning_gait.problem.terms if t.family == "clearance"}
     assert pairs == {3, 6}, "a moving body near a resting one, and near another moving one"
 
@@ -102,7 +103,7 @@ def test_no_family_of_the_project_is_left_out() -> None:
             for value in vars(importlib.import_module(f"{package.__name__}.{module.name}")).values():
                 if isinstance(value, type) and issubclass(value, Family) and not inspect.isabstract(value):
                     found.add(value.name)
-    assert found == (CONSTRAINTS | COSTS | {"progress", "locked"}) - {"center_of_mass"}
+    assert found == (CONSTRAINTS | COSTS | {"progress", "locked", "pace"}) - {"center_of_mass"}
 
 
 def test_the_kernels_of_every_family_have_the_derivatives_of_their_values(case: Instance) -> None:
@@ -136,7 +137,7 @@ def _check_kernel(term: Term, v: np.ndarray, p: np.ndarray, rng: np.random.Gener
     close(hessian, bends / (2 * STEP), f"{term.family}: Hessian")
 
 
-@pytest.mark.parametrize("family", [*sorted(CONSTRAINTS | COSTS), "progress", "locked", "everything"])
+@pytest.mark.parametrize("family", [*sorted(CONSTRAINTS | COSTS), "progress", "locked", "pace", "everything"])
 def test_the_assembled_functions_are_the_sums_and_have_their_derivatives(case: Instance, family: str) -> None:
     problem = case.problem if family == "everything" else only(case.problem, family)
     rng = np.random.default_rng(13)

@@ -10,7 +10,7 @@ import pytest
 
 from gaitforge.motion.bodies import BASE
 from gaitforge.motion.constraints import Progress
-from gaitforge.motion.costs import Body, Posture, Sharing, Smoothness, SwingProfile
+from gaitforge.motion.costs import Body, Pace, Posture, Sharing, Smoothness, SwingProfile
 from gaitforge.motion.plan import Command
 from gaitforge.motion.trajectory import Discretisation
 from gaitforge.robot.model import RobotModel
@@ -30,7 +30,12 @@ def change_case(hexapod: RobotModel) -> Instance:
     return instance(open_segment(hexapod, CHANGE, "transition", r=2, seed=5), seed=5)
 
 
-@pytest.fixture(params=["gait_case", "change_case"])
+@pytest.fixture(scope="module")
+def uneven_case(uneven: RobotModel) -> Instance:
+    return instance(gait_segment(uneven, PENTA, COMMAND, r=2))
+
+
+@pytest.fixture(params=["gait_case", "change_case", "uneven_case"])
 def case(request: pytest.FixtureRequest) -> Instance:
     found: Instance = request.getfixturevalue(request.param)
     return found
@@ -194,12 +199,12 @@ def test_joint_speed_bounds_the_mean_speed_of_every_interval(case: Instance) -> 
     assert found == pytest.approx(step)
 
 
-def test_clearance_rows_are_squared_distances_of_material_points(case: Instance, hexapod: RobotModel) -> None:
-    trajectory, grid = case.trajectory, case.trajectory.grid
+def test_clearance_rows_are_squared_distances_of_material_points(case: Instance) -> None:
+    trajectory, grid, robot = case.trajectory, case.trajectory.grid, case.trajectory.robot
     joints = path_of(case, 0).joints
-    segment = gait_segment(hexapod, PENTA, COMMAND, r=2)
+    segment = gait_segment(robot, PENTA, COMMAND, r=2)
     if not grid.cyclic:
-        segment = open_segment(hexapod, CHANGE, "transition", r=2, seed=5)
+        segment = open_segment(robot, CHANGE, "transition", r=2, seed=5)
     pairs = near_pairs(segment, segment.make_guess(segment.grid), 12)
     blocks = [b for b in case.problem.rows if b.family == "clearance"]
     values = np.concatenate([np.ravel(rows) for rows in rows_of(case, "clearance")])
@@ -209,13 +214,13 @@ def test_clearance_rows_are_squared_distances_of_material_points(case: Instance,
     expected = []
     for pair in pairs:
         k = pair.sample % grid.samples
-        data = hexapod.pin.createData()
-        pinocchio.forwardKinematics(hexapod.pin, data, hexapod.configuration(np.zeros(6), joints[k]))
+        data = robot.pin.createData()
+        pinocchio.forwardKinematics(robot.pin, data, robot.configuration(np.zeros(6), joints[k]))
         points = []
         for capsule, point in ((pair.first, pair.first_point), (pair.second, pair.second_point)):
             assert capsule.limb != BASE
-            name = hexapod.limbs[capsule.limb].joints[capsule.joint]
-            points.append(data.oMi[hexapod.pin.getJointId(name)].act(point))
+            name = robot.limbs[capsule.limb].joints[capsule.joint]
+            points.append(data.oMi[robot.pin.getJointId(name)].act(point))
         label = f"{pair.first.name}–{pair.second.name} at sample {k}"
         floor = (pair.first.radius + pair.second.radius + 0.004) ** 2
         expected.append((label, np.sum((points[0] - points[1]) ** 2), floor))
@@ -272,6 +277,26 @@ def test_body_pulls_to_height_level_line_and_course(gait_case: Instance, change_
             tilt = pose[3] ** 2 + pose[4] ** 2 + yaw**2
             expected += weights.height * height**2 + weights.orientation * tilt + weights.drift * drift**2
         assert cost_of(case, "body") == pytest.approx(grid.dt * expected, rel=1e-9)
+
+
+def test_pace_is_the_squared_deviation_from_the_commanded_velocity(hexapod: RobotModel) -> None:
+    command = Command(0.06, 0.4)
+    case = instance(gait_segment(hexapod, PENTA, command, r=2), more=(Pace(7.0),))
+    grid, path = case.trajectory.grid, path_of(case).base[1:, :2]  # from sample 0 to the first one of the next cycle
+    off = np.diff(path, axis=0) / grid.dt - 0.06 * np.array([np.cos(0.4), np.sin(0.4)])
+    assert cost_of(case, "pace") == pytest.approx(7.0 * grid.dt * (off**2).sum(), rel=1e-9)
+
+
+def test_a_body_that_turns_as_commanded_keeps_its_pace(hexapod: RobotModel) -> None:
+    case = instance(gait_segment(hexapod, PENTA, COMMAND, r=2), more=(Pace(),))
+    assert cost_of(case, "pace") > 0.01
+    case.x[case.trajectory.base] = [0.02, -0.03, 0.13, 0.0, 0.0, 0.0]
+    assert cost_of(case, "pace") == 0.0
+
+
+def test_pace_says_nothing_of_a_transition(hexapod: RobotModel) -> None:
+    case = instance(open_segment(hexapod, CHANGE, "transition", r=2, seed=5), seed=5, more=(Pace(),))
+    assert not any(term.family == "pace" for term in case.problem.terms)
 
 
 def test_sharing_pulls_the_weights_to_equal_shares(case: Instance) -> None:

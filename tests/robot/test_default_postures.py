@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.stats import qmc
 
 from gaitforge.robot.limbs import Foot
-from gaitforge.robot.posture import Chain
+from gaitforge.robot.posture import Chain, sampled
 from gaitforge.robot.tree import Joint
 
 
@@ -28,3 +31,15 @@ def test_the_slope_of_a_chain_is_what_finite_differences_find() -> None:
     steps = 1e-6 * np.eye(4)
     differences = np.stack([(limb.tip(q + d) - limb.tip(q - d)) / 2e-6 for d in steps], axis=1)
     assert limb.jacobian(q) == pytest.approx(differences, abs=1e-9)
+
+
+def test_sampled_postures_are_scipys_halton_points_between_the_limits() -> None:
+    limb = Chain(tuple(replace(j, lower=-0.5 - k, upper=1.0 + k) for k, j in enumerate(chain().joints)), chain().foot)
+    expected = limb.lower + qmc.Halton(4, scramble=False).random(200) * (limb.upper - limb.lower)
+    assert sampled(limb, 200) == pytest.approx(expected, abs=1e-15)
+
+
+def test_many_tips_at_once_are_the_tips_one_by_one() -> None:
+    limb, many = chain(), np.random.default_rng(0).uniform(-2.0, 2.0, (3, 5, 4))
+    one_by_one = [[limb.tip(q) for q in row] for row in many]
+    assert np.array_equal(limb.tip(many), one_by_one)

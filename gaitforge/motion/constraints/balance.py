@@ -42,13 +42,11 @@ class Balance(Family):
         variables = np.hstack([com[before], com[at], com[after]])
         parameters = self._parameters(trajectory)[at]
         problem.add_term(self.name, kernel("cop", 9, 9, _cop_instant), variables, parameters, rows)
-        weighted = [
-            (w, *trajectory.feet[i][k, :2], *rows[s])
-            for s, (k, feet, index) in enumerate(sets)
-            for i, w in zip(feet, index, strict=True)
-        ]
-        table = np.array(weighted, dtype=np.intp)
-        problem.add_term(self.name, kernel("weight", 3, 0, _weight_instant), table[:, :3], np.zeros(0), table[:, 3:])
+        one = np.repeat(np.arange(len(sets)), [len(feet) for _, feet, _ in sets])
+        limbs = np.concatenate([feet for _, feet, _ in sets])
+        weights = np.concatenate([index for _, _, index in sets])
+        places = np.column_stack([weights, trajectory.foot_places[limbs, at[one], :2]])
+        problem.add_term(self.name, kernel("weight", 3, 0, _weight_instant), places, np.zeros(0), rows[one])
 
     @staticmethod
     def _parameters(trajectory: Trajectory) -> np.ndarray:

@@ -31,21 +31,23 @@ class Kinematics(Family):
         lumped[0] = _rigid_mass(trajectory)
         variables = np.hstack([trajectory.base, trajectory.com])
         problem.add_term("center_of_mass", own, variables, lumped, com_rows)
-        for i in trajectory.moving:
-            joints = trajectory.joints[i]
-            count = joints.shape[1]
+        for group in trajectory.alike:
+            limbs, count = group.rows.shape
             compiled = kernel(("limb", count), 9 + count, parameter_size(count) + 1, _limb_instant, _limb_derivatives)
-            labels = [(robot.limbs[i].name, k) for k in range(samples)]
-            rows = problem.add_rows("kinematics", 0.0, 0.0, (samples, 3), "m", labels)
-            variables = np.hstack([trajectory.base, joints, trajectory.feet[i]])
-            parameters = np.concatenate([trajectory.parameters[i], [mass]])
-            problem.add_term("kinematics", compiled, variables, parameters, np.hstack([rows, com_rows]))
+            labels = [(robot.limbs[i].name, k) for i in group.limbs for k in range(samples)]
+            rows = problem.add_rows("kinematics", 0.0, 0.0, (limbs * samples, 3), "m", labels)
+            base = np.broadcast_to(trajectory.base, (limbs, samples, 6))
+            variables = np.concatenate([base, group.joints, group.feet], axis=2)
+            parameters = np.repeat(np.insert(group.parameters, parameter_size(count), mass, axis=1), samples, axis=0)
+            results = np.hstack([rows, np.tile(com_rows, (limbs, 1))])
+            problem.add_term("kinematics", compiled, variables, parameters, results)
 
 
 def _rigid_mass(trajectory: Trajectory) -> float:
     """Mass of the base with all limbs that do not move."""
     moving = sum(
-        trajectory.parameters[i][15 : 15 + 19 * trajectory.joints[i].shape[1] : 19].sum() for i in trajectory.moving
+        group.parameters[:, 15 : JOINT_PARAMETERS * group.rows.shape[1] : JOINT_PARAMETERS].sum()
+        for group in trajectory.alike
     )
     return float(trajectory.robot.mass - moving)
 

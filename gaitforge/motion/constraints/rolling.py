@@ -28,19 +28,26 @@ class Rolling(Family):
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """Two rows a stance foot and interval."""
         grid, robot = trajectory.grid, trajectory.robot
-        for i in trajectory.moving:
-            here = np.flatnonzero(grid.contact[:, i])
+        for group in trajectory.alike:
+            member, here = np.nonzero(grid.contact[:, group.limbs].T)
             if not len(here):
                 continue
             following = (here + 1) % grid.samples
-            joints = trajectory.joints[i]
-            count = joints.shape[1]
-            block = np.hstack([trajectory.base, joints, trajectory.feet[i]])
+            count = group.rows.shape[1]
+            variables = np.hstack(
+                [
+                    block
+                    for k in (here, following)
+                    for block in (trajectory.base[k], group.joints[member, k], group.feet[member, k])
+                ]
+            )
             compiled = kernel(("rolling", count), 2 * (9 + count), parameter_size(count) + 4, _instant, _derivatives)
-            labels = [(robot.limbs[i].name, int(k)) for k in here]
+            names = [robot.limbs[i].name for i in group.limbs]
+            labels = [(names[i], k) for i, k in zip(member.tolist(), here.tolist(), strict=True)]
             rows = problem.add_rows(self.name, 0.0, 0.0, (len(here), 2), self.unit, labels)
-            parameters = np.concatenate([trajectory.parameters[i], grid.step, [robot.limbs[i].foot.radius]])
-            problem.add_term(self.name, compiled, np.hstack([block[here], block[following]]), parameters, rows)
+            radii = np.array([[robot.limbs[i].foot.radius] for i in group.limbs])
+            parameters = np.hstack([group.parameters, np.tile(grid.step, (len(radii), 1)), radii])[member]
+            problem.add_term(self.name, compiled, variables, parameters, rows)
 
 
 def _instant(v: Any, p: Any) -> Any:

@@ -39,7 +39,7 @@ class Body(SampleCost):
             if grid.start is not None and grid.start.rest and grid.end is not None:
                 origin = grid.end.base
             out[:, 5:] = origin[:2]
-            out[:, 3] = origin[5] + [planar_motion(grid.command, k * grid.dt)[2] for k in range(grid.samples)]
+            out[:, 3] = origin[5] + planar_motion(grid.command, np.arange(grid.samples) * grid.dt)[:, 2]
             out[:, 4] += origin[5]
         return out
 

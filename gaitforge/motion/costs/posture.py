@@ -29,10 +29,11 @@ class Posture(SampleCost):
         assert limb is not None
         grid, robot = trajectory.grid, trajectory.robot
         rows = robot.joint_indices(robot.limbs[limb])
-        weight = np.where(grid.ground[:, limb], self.stance, self.swing)
-        held = np.tile(robot.nominal.held_posture[rows], (grid.samples, 1))
-        goal = trajectory.stance.joints[:, rows] if grid.contact[:, limb].any() else held
-        return np.hstack([weight[:, None], goal])
+        out = np.empty((grid.samples, 1 + len(rows)))
+        out[:, 0] = np.where(grid.ground[:, limb], self.stance, self.swing)
+        walks = grid.contact[:, limb].any()
+        out[:, 1:] = trajectory.stance.joints[:, rows] if walks else robot.nominal.held_posture[rows]
+        return out
 
     def instant(self, at: Instant, p: Any) -> Any:
         """The density of the cost at one sample of one limb."""

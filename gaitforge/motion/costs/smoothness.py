@@ -30,17 +30,19 @@ class Smoothness(Family):
 
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """One place a limb and sample, one a sample for the base."""
-        grid, robot = trajectory.grid, trajectory.robot
+        grid = trajectory.grid
         at = np.arange(grid.samples)
         before, after = grid.neighbours(at)
         ends = (grid.start, grid.end)
-        for i in trajectory.moving:
-            rows = robot.joint_indices(robot.limbs[i])
-            q, count = trajectory.joints[i], len(rows)
-            speeds = [np.zeros(count) if e is None else e.joint_velocity[rows] for e in ends]
+        for group in trajectory.alike:
+            q, (limbs, count) = group.joints, group.rows.shape
+            speeds = [np.zeros(group.rows.size) if e is None else e.joint_velocity[group.rows.ravel()] for e in ends]
+            shared, added = np.split(self._parameters(trajectory, *speeds), [4], axis=1)
+            parts = [np.broadcast_to(shared, (limbs, *shared.shape)), added.reshape(-1, limbs, count).swapaxes(0, 1)]
             compiled = kernel(("smooth", count, self.joints), 3 * count, 4 + count, self._joint_instant)
-            places = np.hstack([q[before], q[at], q[after]])
-            problem.add_term(self.name, compiled, places, self._parameters(trajectory, *speeds))
+            places = np.concatenate([q[:, before], q, q[:, after]], axis=2)
+            parameters = np.concatenate(parts, axis=2)
+            problem.add_term(self.name, compiled, places, parameters.reshape(-1, 4 + count))
         speeds = [np.zeros(6) if e is None else e.base_velocity for e in ends]
         parameters = np.hstack([self._parameters(trajectory, *speeds), np.tile(grid.step, (grid.samples, 1))])
         compiled = kernel(("smooth_base", self.position, self.rotation), 18, 13, self._base_instant)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.motion.family import Family, carried, carried_back
-from gaitforge.motion.problem import Kernel, Problem, kernel
-from gaitforge.motion.trajectory import Discretisation, Trajectory, planar_motion, smooth_step, swings
+from gaitforge.motion.problem import Problem, kernel
+from gaitforge.motion.trajectory import Discretisation, Trajectory, planar_motion, smooth_step
 
 
 @dataclass(frozen=True)
@@ -28,33 +28,20 @@ class SwingProfile(Family):
 
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """One place a swing sample whose swing begins and ends on the ground."""
-        grid, robot = trajectory.grid, trajectory.robot
-        motions = _motions(grid)
+        grid, limbs = trajectory.grid, trajectory.robot.limbs
+        moves = np.isin(grid.airborne[0], trajectory.moving)
+        limb, k, lift, land = (each[moves] for each in grid.airborne)
+        over = (k - lift) / (land - lift)
+        up = smooth_step(1.0 - np.abs(2.0 * over - 1.0))
+        goal = np.array([one.foot.radius for one in limbs])[limb] + 1.1 * trajectory.step_height * up
+        weights = np.full(len(k), self.weight * grid.dt)
+        feet = trajectory.foot_places
+        here, before, after = (feet[limb, sample % grid.samples] for sample in (k, lift, land))
         height, path = kernel("swing_height", 1, 2, _height_instant), kernel("swing_path", 6, 8, _path_instant)
-        for i in trajectory.moving:
-            share = swing_share(grid.ground[:, i], grid.cyclic)
-            here = np.flatnonzero(np.isfinite(share))
-            up = smooth_step(1.0 - np.abs(2.0 * share[here] - 1.0))
-            goal = robot.limbs[i].foot.radius + 1.1 * trajectory.step_height * up
-            parameters = np.stack([np.full(len(here), self.weight * grid.dt), goal], axis=1)
-            problem.add_term(self.name, height, trajectory.feet[i][here, 2:3], parameters)
-            self._add_paths(problem, trajectory, i, path, motions)
-
-    def _add_paths(
-        self, problem: Problem, trajectory: Trajectory, limb: int, compiled: Kernel, motions: NDArray[np.float64]
-    ) -> None:
-        grid, feet = trajectory.grid, trajectory.feet[limb]
-        places, parameters = [], []
-        for lift, land in swings(grid.ground[:, limb], grid.cyclic):
-            k = np.arange(lift + 1, land)
-            done = smooth_step((k - lift) / (land - lift))
-            ends = np.array([lift, land]) % grid.samples
-            ways = [np.broadcast_to(feet[end, :2], (len(k), 2)) for end in ends]
-            places.append(np.hstack([ways[0], feet[k % grid.samples, :2], ways[1]]))
-            weights = np.full((len(k), 1), self.weight * grid.dt)
-            parameters.append(np.hstack([weights, done[:, None], motions[k - lift], motions[land - k]]))
-        if places:
-            problem.add_term(self.name, compiled, np.vstack(places), np.vstack(parameters))
+        problem.add_term(self.name, height, here[:, 2:], np.stack([weights, goal], axis=1))
+        motions = _motions(grid)
+        parameters = np.column_stack([weights, smooth_step(over), motions[k - lift], motions[land - k]])
+        problem.add_term(self.name, path, np.hstack([before[:, :2], here[:, :2], after[:, :2]]), parameters)
 
 
 def _motions(grid: Discretisation) -> NDArray[np.float64]:
@@ -62,15 +49,6 @@ def _motions(grid: Discretisation) -> NDArray[np.float64]:
     if not grid.cyclic:
         return np.zeros((grid.samples + 1, 3))
     return planar_motion(grid.command, np.arange(grid.samples + 1) * grid.dt)
-
-
-def swing_share(ground: NDArray[np.bool_], cyclic: bool) -> NDArray[np.float64]:
-    """(K,) how much of its swing is over at each sample in the air; NaN on the ground or at open swings."""
-    share = np.full(len(ground), np.nan)
-    for lift, land in swings(ground, cyclic):
-        k = np.arange(lift + 1, land)
-        share[k % len(ground)] = (k - lift) / (land - lift)
-    return share
 
 
 def _height_instant(v: Any, p: Any) -> Any:
