@@ -23,8 +23,8 @@ from gaitforge.pipeline.tries import Try, Workers, attempt, unexplained
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)
 """Factors on the robot's nominal time of a column for steps that are taken one by one."""
-AMPLE_M = 0.015
-"""[m] that the zero moment point stays inside the feet: with less, other orders of steps are tried"""
+AMPLE_M = 0.008
+"""[m] that centre of mass and zero-moment point stay inside the feet: with less, other orders of steps are tried"""
 LOW_M = 0.012
 """[m] high steps while failed feet still bear load: what is lifted with the body need not be lifted higher"""
 
@@ -49,7 +49,12 @@ def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Worke
 
 
 def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch) -> Segment:
-    """From stand to stand, step by step: the first plan with an ample margin, else the one with the largest."""
+    """From stand to stand, step by step: the first plan with an ample margin, else the one with the largest.
+
+    The margin is the smaller one of the centre of mass and of the zero-moment point by inverse dynamics.
+    """
+    from gaitforge.motion.failure.still import static_margin
+
     name, begin = f"{stand.name}_to_{start.name}", time.perf_counter()
     left: list[Attempt] = []
     narrow: list[tuple[float, MotionPlan]] = []
@@ -60,7 +65,7 @@ def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
             left.append(result.left)
             watch.progress("motion", f"{name}: {one.what}: left ({left[-1].why})")
             continue
-        margin = float(result.plan.report.details["zmp_margin_m"])
+        margin = min(float(result.plan.report.details["zmp_margin_m"]), static_margin(now.robot, result.plan))
         watch.progress("motion", f"{name}: {one.what}, margin {1000 * margin:.0f} mm, {result.seconds:.2f} s")
         if margin >= AMPLE_M:
             return Segment(result.plan, 1, tuple(left))
@@ -74,13 +79,19 @@ def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
 
 
 def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iterator[Try]:
-    options = _while_held(now) if now.held else now.options
-    for stretch in UNHURRIED:
-        column_s = now.robot.nominal.transition_column_s * stretch
-        for pattern in _patterns(now, stand, start):
-            steps = " ".join(pattern.info["order"])
-            named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options.motion)}
-            yield Try(f"steps {steps}, {column_s:.3f} s a column", "transition", now.robot, (stand, start), named)
+    """Steps with the centre of mass over the feet, slower ones, and last those that only keep the CoP there."""
+    from gaitforge.motion.failure.still import stepping
+    from gaitforge.motion.options import MotionOptions
+
+    motion = (_while_held(now) if now.held else now.options).motion or MotionOptions()
+    patterns = _patterns(now, stand, start)
+    for how, options in (("", stepping(motion)), (", swaying", motion)):
+        for stretch in UNHURRIED:
+            column_s = now.robot.nominal.transition_column_s * stretch
+            for pattern in patterns:
+                what = f"steps {' '.join(pattern.info['order'])}, {column_s:.3f} s a column{how}"
+                named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options)}
+                yield Try(what, "transition", now.robot, (stand, start), named)
 
 
 def _patterns(now: Damage, stand: MotionPlan, start: MotionPlan) -> tuple[FootfallPattern, ...]:
