@@ -27,13 +27,21 @@ def grasp_contacts(robot: RobotModel, timeline: Timeline, plan: TimelineSamples,
 def laden_com(
     robot: RobotModel, timeline: Timeline, plan: TimelineSamples, com: Array, objects: dict[str, Array]
 ) -> Array:
-    """(n, 3) centre of mass of the robot, at `com` (n, 3), and of what it is planned to bear, where that really is."""
+    """(n, 3) centre of mass of the robot, at `com` (n, 3), and of what it bears, where that really is.
+
+    A load in the grasp that stands on something is none of it: tips that press on it, by whatever, leave the feet
+    a robot that has to stand if the load gives way.  Of a load that is lifted or lowered the feet bear the share λ
+    with their centre of pressure at c_λ = (M c + λ m b) / (M + λ m), between the robot's own centre of mass c (M)
+    and the common one, and the load's mass m counts from the moment that it is off what it stood on.
+    """
     moment, mass = robot.mass * com, np.full(len(com), robot.mass)
     for index, entry in enumerate(timeline.entries):
+        rows = np.flatnonzero(plan.segment == index)
         for holding in entry.plan.holdings:
-            rows = plan.segment == index
-            moment[rows] += holding.mass * objects[holding.object][rows, :3]
-            mass[rows] += holding.mass
+            places = objects[holding.object][rows, :3]
+            borne = holding.mass * holding.borne(places[:, 2])
+            moment[rows] += borne[:, None] * places
+            mass[rows] += borne
     return np.asarray(moment / mass[:, None])
 
 

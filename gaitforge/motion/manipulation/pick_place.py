@@ -280,14 +280,14 @@ class _Stage:
 
 
 def _center_of_mass(robot: RobotModel, base: Array, joints: Array, holdings: Sequence[Holding]) -> Array:
-    """(n, 3) of the robot and of what it bears [m]."""
+    """(n, 3) of the robot and of what it bears [m]: a load that stands on something is none of it."""
     moment = robot.mass * np.array([robot.center_of_mass(b, q) for b, q in zip(base, joints, strict=True)])
-    mass, turns = robot.mass, matrices(base[:, 3:])
+    mass, turns = np.full(len(base), robot.mass), matrices(base[:, 3:])
     for holding in holdings:
-        places = np.broadcast_to(holding.poses[:, :3], (len(base), 3))
-        moment = moment + holding.mass * (base[:, :3] + np.einsum("nij,nj->ni", turns, places))
-        mass += holding.mass
-    return np.asarray(moment / mass)
+        places = base[:, :3] + np.einsum("nij,nj->ni", turns, np.broadcast_to(holding.poses[:, :3], (len(base), 3)))
+        borne = holding.mass * holding.borne(places[:, 2])
+        moment, mass = moment + borne[:, None] * places, mass + borne
+    return np.asarray(moment / mass[:, None])
 
 
 def _shares(feet: Array, com: Array, stance: NDArray[np.bool_]) -> Array:

@@ -12,6 +12,10 @@ from scipy import sparse
 from gaitforge.motion.solvers.supernodes import Ints, Supernodes, find_supernodes
 
 Array = NDArray[np.float64]
+BEYOND = 16
+"""Entries behind the last panel that the compiled code may read (TALL)"""
+WIDE = 8
+"""Most columns of a tile"""
 
 
 class Supernodal:
@@ -21,18 +25,19 @@ class Supernodal:
         self._library = library
         self._nodes = nodes = _analyse(indices, indptr)
         size, count = len(indptr) - 1, len(nodes.first) - 1
-        self._panels, self._vector = np.zeros(nodes.size), np.zeros(size)
-        pivots, work = np.zeros(size), [np.zeros(nodes.work), np.zeros(nodes.work)]
+        panels, self._vector = np.zeros(nodes.size + BEYOND), np.zeros(size)
+        pivots, packed, tallest = np.zeros(size), np.zeros(WIDE * nodes.widest), np.zeros(nodes.tallest)
         integers = [np.zeros(n, dtype=np.int32) for n in (count, count, count, size, size)]
-        shared = [nodes.first, nodes.rowptr, nodes.rows, nodes.start, self._panels, pivots]
-        self._kept = (shared, integers, work)
-        self._factor = [count, *map(_pointer, [*shared, *integers, nodes.owner, *work])]
-        self._solve = [count, *map(_pointer, [*shared, self._vector, work[0]])]
+        self._values = np.zeros(len(indices))
+        shared = [nodes.first, nodes.rowptr, nodes.rows, nodes.start, panels, pivots]
+        entries = [nodes.entry, nodes.source, nodes.target, self._values]
+        self._kept = (shared, integers, packed, tallest)
+        self._factor = [count, *map(_pointer, [*shared, *entries, *integers, nodes.owner, packed])]
+        self._solve = [count, *map(_pointer, [*shared, self._vector, tallest])]
 
     def factor(self, values: Array) -> int | None:
         """Factor K with these nonzeros (upper triangle by columns); its number of negative pivots, None on failure."""
-        self._panels[:] = 0.0
-        self._panels[self._nodes.target] = values
+        self._values[:] = values
         negative = int(self._library.ldl_factor(*self._factor))
         return negative if negative >= 0 else None
 

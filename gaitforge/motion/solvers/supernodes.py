@@ -25,10 +25,16 @@ class Supernodes:
     """Where each panel begins in the array of all panels"""
     owner: Ints
     """(n,) supernode of each column"""
-    target: NDArray[np.intp]
-    """Where each nonzero of the matrix (upper triangle by columns) goes in the panels"""
-    work: int
-    """Largest update of one supernode by another, in entries"""
+    entry: Ints
+    """Nonzeros of the matrix (upper triangle by columns) by supernode: entry[s] … entry[s+1] − 1 of the next two"""
+    source: Ints
+    """Which nonzero"""
+    target: Ints
+    """Where it goes in its supernode's panel"""
+    widest: int
+    """Columns of the widest supernode"""
+    tallest: int
+    """Rows of the tallest panel"""
 
     @property
     def size(self) -> int:
@@ -71,8 +77,9 @@ def find_supernodes(
         rows=np.concatenate(rows).astype(np.int32),
         start=start.astype(np.int64),
         owner=owner.astype(np.int32),
-        target=_targets(indices, indptr, order, begins, rows, heights, start, owner),
-        work=int((heights * np.maximum(widths.max(), 1)).max()),
+        **_entries(indices, indptr, order, begins, rows, heights, owner),
+        widest=int(widths.max()),
+        tallest=int(heights.max()),
     )
 
 
@@ -81,26 +88,25 @@ def _allowed(width: int) -> float:
     return 0.6 if width <= 4 else 0.3 if width <= 16 else 0.1
 
 
-def _targets(
+def _entries(
     indices: Ints,
     indptr: Ints,
     order: NDArray[np.intp],
     first: Ints,
     rows: list[NDArray[np.intp]],
     heights: NDArray[np.intp],
-    start: NDArray[np.intp],
     owner: NDArray[np.intp],
-) -> NDArray[np.intp]:
+) -> dict[str, Ints]:
     place = np.empty(len(order), dtype=np.intp)
     place[order] = np.arange(len(order))
     a = place[indices]
     b = place[np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))]
     row, column = np.maximum(a, b), np.minimum(a, b)
     node = owner[column]
-    target = np.empty(len(row), dtype=np.intp)
-    by_node = np.argsort(node, kind="stable")
-    bounds = np.searchsorted(node[by_node], np.arange(len(rows) + 1))
-    for s, own in enumerate(rows):
-        here = by_node[bounds[s] : bounds[s + 1]]
-        target[here] = start[s] + (column[here] - first[s]) * heights[s] + np.searchsorted(own, row[here])
-    return target
+    source = np.argsort(node, kind="stable")
+    entry = np.searchsorted(node[source], np.arange(len(rows) + 1))
+    row, column, node = row[source], column[source], node[source]
+    target = (column - first[node]) * heights[node]
+    for own, begin, end in zip(rows, entry[:-1], entry[1:], strict=True):
+        target[begin:end] += np.searchsorted(own, row[begin:end])
+    return {"entry": entry.astype(np.int32), "source": source.astype(np.int32), "target": target.astype(np.int32)}

@@ -85,6 +85,9 @@ class StaticMargin(SegmentCheck):
     constant with which a body tips, about 0.12 s for a hexapod and 0.2 s for a tall quadruped.  And
     where one set of feet takes over from another, some land a step or two after others have lifted:
     a margin counts once it has lasted `margin_hold_s`.
+
+    Tips on a load that stands on something support nothing, and the load counts from when it is lifted
+    (`grasps.laden_com`): a robot that leans on what it holds has a margin below zero.
     """
 
     name: ClassVar[str] = "static_margin"
@@ -102,11 +105,8 @@ class StaticMargin(SegmentCheck):
 
     @staticmethod
     def _limit(segment: Segment) -> float | None:
-        """None while tips hold a load that is picked up or put down: where it stands, the robot leans on it, too."""
-        holdings, limit = segment.entry.plan.holdings, segment.limit
-        if any(h.limbs and (h.mass == 0.0 or len(h.poses) > 1) for h in holdings):
-            return None
-        laden = any(h.mass > 0.0 for h in holdings)
+        limit = segment.limit
+        laden = any(h.mass > 0.0 for h in segment.entry.plan.holdings)
         return limit.laden_margin_mm if laden and limit.laden_margin_mm is not None else limit.static_margin_mm
 
 

@@ -55,6 +55,24 @@ def test_panels_solve_what_qdldl_and_a_dense_solver_solve(seed: int) -> None:
 
 
 @needs_compiler
+@pytest.mark.parametrize("lanes", [2, 4, 8])
+@pytest.mark.parametrize("size", [15, 16, 17, 40, 131])
+def test_wide_panels_are_the_same_whatever_the_processor_can_do_at_once(lanes: int, size: int) -> None:
+    rng = np.random.default_rng(size)
+    half, rows = rng.normal(size=(size, size)), size // 3
+    top = half @ half.T / size + np.eye(size)
+    right, jacobian = rng.normal(size=size + rows), rng.normal(size=(rows, size)) / size
+    full = np.block([[top, jacobian.T], [jacobian, -0.5 * np.eye(rows)]])
+    upper = sparse.csc_matrix(np.triu(full))
+    source = Path(native.__file__).with_name("ldl.c").read_text(encoding="utf-8")
+    library = native.compiled("ldl", f"#define LANES {lanes}\n{source}", "-O2")
+    assert library is not None
+    factor = Supernodal(upper.indices, upper.indptr, library)
+    assert factor.factor(upper.data) == rows
+    assert factor.solve(right) == pytest.approx(np.linalg.solve(full, right), rel=1e-9, abs=1e-11)
+
+
+@needs_compiler
 def test_a_zero_pivot_is_a_failure_and_not_a_number() -> None:
     indices, indptr = np.array([0, 0, 1], dtype=np.int32), np.array([0, 1, 3], dtype=np.int32)
     factor = factor_of(indices, indptr, native=True)
@@ -69,7 +87,10 @@ def test_supernodes_store_every_entry_of_the_factor_once() -> None:
     upper = random_kkt(4, 80, 30)
     lower, _, order = qdldl.Solver(upper, upper=True).factors()
     nodes = find_supernodes(upper.indices, upper.indptr, np.asarray(order), lower.indices, lower.indptr)
-    assert len(set(nodes.target.tolist())) == upper.nnz
+    node = np.repeat(np.arange(len(nodes.first) - 1), np.diff(nodes.entry))
+    assert len(set((nodes.start[node] + nodes.target).tolist())) == upper.nnz
+    assert sorted(nodes.source.tolist()) == list(range(upper.nnz))
+    assert (nodes.target < np.diff(nodes.start)[node]).all()
     stored = {
         (int(row), column)
         for s in range(len(nodes.first) - 1)
