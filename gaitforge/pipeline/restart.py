@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import plan_change
 from gaitforge.pipeline.tries import Try, Workers, attempt, unexplained
 
+if TYPE_CHECKING:
+    from gaitforge.motion.options import MotionOptions
+
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)
 """Factors on the robot's nominal time of a column for steps that are taken one by one."""
@@ -30,22 +34,34 @@ LOW_M = 0.012
 
 
 def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
-    """From the stand after a failure into a gait; nothing before anything has failed.
+    """From the halt after a failure into a gait; nothing before anything has failed.
 
-    Few limbs step one by one, in the order with the best margin; many as in a transition.
-    Raises `UnsolvedError` when there is no plan.
+    Feet are put down elsewhere once the failed ones are off the ground, or while these bear load, where only that
+    has a plan.  Raises `UnsolvedError` when neither has.
     """
-    from gaitforge.footfall.settling import MOST
-
     if now.stand is None:
         return []
+    if now.clear is not None:
+        try:
+            return [Segment(now.clear), *_steps(replace(now, held=()), now.clear, gait, watch, workers)]
+        except UnsolvedError as error:
+            if not now.held:
+                raise
+            watch.progress("motion", f"{', '.join(now.held)} bear load while the others step ({error})")
+    return _steps(now, now.stand, gait, watch, workers)
+
+
+def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
+    """From a stand into a gait: few limbs step one by one, in the order with the best margin, many as always."""
+    from gaitforge.footfall.settling import MOST
+
     start = plan_stand("start", now.robot, gait, now.options, watch, f"{gait.name}_start")
     at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
     if len(gait.pattern.locomotive) <= MOST:
-        return [_settled(now, now.stand, at_rest, watch), Segment(start)]
+        return [_settled(now, stand, at_rest, watch), Segment(start)]
     search = replace(now.options.search, transition_phases="seam")
     options = replace(now.options, search=search)
-    return [plan_change(now.robot, now.stand, at_rest, options, watch, workers), Segment(start)]
+    return [plan_change(now.robot, stand, at_rest, options, watch, workers), Segment(start)]
 
 
 def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch) -> Segment:
@@ -83,7 +99,7 @@ def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iter
     from gaitforge.motion.failure.still import stepping
     from gaitforge.motion.options import MotionOptions
 
-    motion = (_while_held(now) if now.held else now.options).motion or MotionOptions()
+    motion = _quick((_while_held(now) if now.held else now.options).motion or MotionOptions())
     patterns = _patterns(now, stand, start)
     for how, options in (("", stepping(motion)), (", swaying", motion)):
         for stretch in UNHURRIED:
@@ -92,6 +108,14 @@ def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iter
                 what = f"steps {' '.join(pattern.info['order'])}, {column_s:.3f} s a column{how}"
                 named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options)}
                 yield Try(what, "transition", now.robot, (stand, start), named)
+
+
+def _quick(options: MotionOptions) -> MotionOptions:
+    """The options without a slow second solver: there are other orders to try."""
+    from gaitforge.motion.solvers.structured import Structured
+
+    solver = options.solver
+    return replace(options, solver=replace(solver, fallback=None)) if isinstance(solver, Structured) else options
 
 
 def _patterns(now: Damage, stand: MotionPlan, start: MotionPlan) -> tuple[FootfallPattern, ...]:
