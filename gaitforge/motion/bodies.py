@@ -103,8 +103,8 @@ def swept(capsules: tuple[LimbCapsule, ...], poses: dict[int, LimbPoses]) -> tup
     for limb, joint, members, points in _bodies(capsules):
         if limb != BASE:
             pose = poses[limb]
-            moved = pose.origins[:, joint, None] + points @ pose.turns[:, joint].swapaxes(1, 2)
-            points = moved.transpose(1, 0, 2)
+            turned = pose.turns[:, joint].reshape(-1, 3) @ points.T  # (3 n, ends)
+            points = turned.reshape(times, 3, -1).transpose(2, 0, 1) + pose.origins[:, joint]
         else:
             points = np.broadcast_to(points[:, None], (len(points), times, 3))
         out[:, members] = points.reshape(-1, 2, times, 3).swapaxes(0, 1)
