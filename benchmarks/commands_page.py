@@ -107,8 +107,8 @@ def _turning(rows: Sequence[Row]) -> Iterator[str]:
     yield "## Turning, and the contact solver"
     yield ""
     yield (
-        "A foot that turns on its spot creeps in PyBullet's contact solver at the default 100 iterations, with a "
-        f"friction far below its limit; the same gaits with {ITERATIONS} iterations:"
+        "A foot that turns on its spot creeps in PyBullet's contact solver as long as that has not converged, with a "
+        f"friction far below its limit; the same gaits with {ITERATIONS} iterations in every step:"
     )
     yield ""
     yield "| robot | command | slip [mm] | … converged | velocity [mm/s] | … converged | yaw rate [°/s] | … converged |"

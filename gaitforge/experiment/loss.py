@@ -81,6 +81,7 @@ def loss_row(verdict: Verdict, done: Sequence[Segment]) -> dict[str, Any]:
     until = next((s.plan for s in done if s.plan.name == f"{BEFORE}_until_failure"), None)
     whole = next(s.plan for s in done if s.plan.name == BEFORE)
     here = {c.name: c.value for c in verdict.checks if c.segment == AFTER}
+    unsupported = [c.value for c in verdict.checks if c.name == "unsupported"]
     fallen = [c for c in verdict.checks if c.name == "fallen"]
     return {
         "status": "verified" if verdict.passed else "unverified",
@@ -91,6 +92,7 @@ def loss_row(verdict: Verdict, done: Sequence[Segment]) -> dict[str, Any]:
         "speed_m_s": verdict.speeds[index],
         "speed_planned_m_s": gait.plan.speed,
         "margin_m": here["static_margin"] / 1000.0,
+        "unsupported_s": max(unsupported, default=0.0),
         "tilt_worst_deg": max(c.value for c in fallen),
         "failed": [f"{c.segment}: {c.name} {c.value:.3g} {c.unit}" for c in verdict.failed],
         "source": gait.plan.pattern.source,

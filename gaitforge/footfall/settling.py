@@ -12,7 +12,7 @@ from gaitforge.footfall.margin import support_margins
 from gaitforge.footfall.pattern import FootfallPattern
 
 Array = NDArray[np.float64]
-SWAY_M = 0.04
+SWAY_M = 0.06
 """[m] that the body may be beside its place while a foot is in the air"""
 SWING, STANCE, LIFT = 2, 1, 4
 """Columns of a step, of the stand after it, and in which the body is lifted off held feet at the end"""
@@ -37,17 +37,17 @@ def settling_patterns(
     names, order = list(limbs), list(walking)
     moving = [names.index(n) for n in order]
     stays = [names.index(n) for n in held]
-    line = np.linspace(-SWAY_M, SWAY_M, 5)
+    line = np.linspace(-SWAY_M, SWAY_M, 7)
     sway = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1).reshape(-1, 2)
     middle = 0.5 * (centers[0] + centers[1])
     points = np.array([centers[0]]) if stays else middle + sway
     ranked = []
     for steps in permutations(moving):
         places, stance = _stages(steps, stays, feet, len(names))
-        margin = float(support_margins(places, stance, points).max(axis=1).min())
-        ranked.append((-margin, steps))
+        margins = support_margins(places, stance, points).max(axis=1)
+        ranked.append((-float(margins.min()), -float(margins.mean()), steps))
     ranked.sort()
-    return tuple(_pattern(names, steps, stays, -margin) for margin, steps in ranked[:limit])
+    return tuple(_pattern(names, steps, stays, -least) for least, _, steps in ranked[:limit])
 
 
 def _stages(

@@ -106,6 +106,8 @@ class MotionPlan:
     """(2, n_J) clamped end velocities [rad/s]; None in a gait, whose spline is periodic"""
     base_velocity_ends: Array | None = None
     """(2, 6) the same for the base"""
+    unbalanced_s: float = 0.0
+    """[s] from its start in which nothing keeps the robot from tipping: a leg that bore it is gone, others land"""
     report: SolveReport = SolveReport()
     relaxed: tuple[str, ...] = ()
 

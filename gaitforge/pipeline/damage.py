@@ -27,9 +27,11 @@ class Damage:
     roles: Mapping[str, Failed] = field(default_factory=dict)
     """Limb → `Failed`"""
     stand: MotionPlan | None = None
-    """Where walking on begins; None before anything has failed"""
+    """The halt after which walking on begins; None before anything has failed"""
+    clear: MotionPlan | None = None
+    """The stand after it in which failed feet are off the ground; None where there is no need or no plan"""
     held: tuple[str, ...] = ()
-    """Failed limbs that still bear load in the stand"""
+    """Failed limbs that bear load at the end of the halt"""
     pattern: FootfallPattern | None = None
     """Of the gait in which limbs failed"""
 

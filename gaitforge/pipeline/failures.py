@@ -64,7 +64,7 @@ def refuse_hopeless(robot: RobotModel, task: Task, options: Options) -> None:
 
 
 def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwatch, done: list[Segment]) -> Damage:
-    """What follows a failure, added to `done`: the rest of the walk, the halt, and a stand clear of what failed.
+    """What follows a failure: the rest of the walk and the halt, added to `done`, and a stand clear of what failed.
 
     Where the others cannot stand alone, failed feet on the ground go on bearing load, and there is no such stand.
     Raises `UnsolvedError` when there is no plan for a halt.
@@ -80,20 +80,19 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
     failed = {**now.roles, **_failed(robot, until, failure)}
     roles = {**gait.roles, **failed}
     watch.progress("motion", f"{name}: {', '.join(failure.limbs)} {failure.mode} at {column} of {gait.pattern.columns}")
-    held: tuple[str, ...] = ()
+    clear: MotionPlan | None = None
     with watch.stage("motion"):
         stand = plan_halt(robot, until, roles, name=f"{name}_halt", options=motion)
         done.append(Segment(stand))
+        held = tuple(n for n in failed if n in stand.pattern.locomotive)
         locked = tuple(n for n, role in failed.items() if role.mode == "locked")
         if lowest(robot, stand, locked) < CLEAR_M:
             try:
-                stand = plan_clear(robot, stand, roles, name=f"{name}_clear", options=motion)
-                done.append(Segment(stand))
+                clear = plan_clear(robot, stand, roles, name=f"{name}_clear", options=motion)
             except UnsolvedError as error:  # the others cannot stand alone where they are
-                held = tuple(n for n in failed if n in stand.pattern.locomotive)
                 watch.progress("motion", f"{name}: {', '.join(held)} still bear load ({error})")
     damaged = stuck(robot, failed)
-    return Damage(damaged, kept_clear(damaged, failed, now.options), failed, stand, held, gait.pattern)
+    return Damage(damaged, kept_clear(damaged, failed, now.options), failed, stand, clear, held, gait.pattern)
 
 
 def moment(robot: RobotModel, gait: MotionPlan, failure: Failure, seed: int) -> int:

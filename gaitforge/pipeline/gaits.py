@@ -12,7 +12,7 @@ from gaitforge.pipeline.certificate import refuse_impossible_speed
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import Try, Workers, cheapest, unexplained, why
+from gaitforge.pipeline.tries import Result, Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase
 from gaitforge.task.roles import Locomotive, Role, Tool
@@ -20,6 +20,7 @@ from gaitforge.task.scene import Scene
 
 if TYPE_CHECKING:
     from gaitforge.footfall.synthesis import Method
+    from gaitforge.motion.plan import MotionPlan
 
 
 def nonlocomotive(robot: RobotModel, phase: Phase, scene: Scene) -> dict[str, Role]:
@@ -47,7 +48,8 @@ def plan_phase(
     """The gait of a phase; `expected_base` is x, y [m], yaw [rad] of the base in the middle of it.
 
     `original`: the pattern of the gait before, for when one of its limbs is lost.  Patterns are handed to the
-    optimiser in batches; of the first batch in which any has a plan, the cheapest is taken.
+    optimiser in batches; of the first batch in which any has a plan, the cheapest is taken, unless its motors cannot
+    hold it (`_strain`) and another batch has one that they can.
     Raises `InfeasibleFootfall` or `InfeasibleMotion` with a proof, `UnsolvedError` when every candidate failed.
     """
     robot = robot.carrying(*phase.loads)  # footholds and body are placed for what is carried, too
@@ -55,8 +57,11 @@ def plan_phase(
     workers = workers or Workers()
     attempts: list[Attempt] = []
     refusals: list[InfeasibleMotion] = []
+    strained: list[tuple[float, Result]] = []
     first: Try | None = None
     for patterns in _batches(robot, phase, roles, options, watch, original, attempts):
+        if strained and all(pattern.source == "wave" for pattern in patterns):
+            continue  # dear to plan, and slower
         tries = [_try(robot, phase, pattern, roles, options, expected_base) for pattern in patterns]
         first = first or tries[0]
         with watch.stage("motion"):
@@ -66,12 +71,38 @@ def plan_phase(
         refusals += [r.error for r in results if isinstance(r.error, InfeasibleMotion)]
         for one in left:
             watch.progress("motion", f"{phase.name}: {one.what}: left ({one.why})")
-        if plan is not None:
-            what = next(r.what for r in results if r.plan is plan)
-            watch.progress("motion", f"{phase.name}: {what}, {plan.report.seconds:.2f} s to solve")
-            return Segment(plan, phase.cycles, tuple(attempts))
+        taken = next((r for r in results if plan is not None and r.plan is plan), None)
+        if taken is None:
+            continue
+        strain = _strain(robot, taken.plan)
+        if strain <= 1.0:
+            return _segment(phase, taken, attempts, strained, watch)
+        strained.append((strain, taken))
+        watch.progress("motion", f"{phase.name}: {taken.what}: {strain:.2f} of the motors' efforts")
+    if strained:
+        least = min(range(len(strained)), key=lambda k: strained[k][0])
+        best = strained.pop(least)[1]
+        return _segment(phase, best, attempts, strained, watch)
     with watch.stage("motion"):
         raise _give_up(phase, attempts, refusals, first)
+
+
+def _segment(
+    phase: Phase, result: Result, attempts: list[Attempt], strained: list[tuple[float, Result]], watch: Stopwatch
+) -> Segment:
+    assert result.plan is not None
+    watch.progress("motion", f"{phase.name}: {result.what}, {result.plan.report.seconds:.2f} s to solve")
+    heavier = (Attempt(r.what, f"{strain:.2f} of the motors' efforts", r.seconds) for strain, r in strained)
+    return Segment(result.plan, phase.cycles, (*attempts, *heavier))
+
+
+def _strain(robot: RobotModel, plan: MotionPlan | None) -> float:
+    """Above 1: no contact forces let the motors hold the plan; asked only where the plan's own are too much [-]."""
+    from gaitforge.motion.strain import least_strain
+
+    assert plan is not None
+    planned = float(plan.report.details.get("effort_ratio", 0.0))
+    return planned if planned <= 1.0 else least_strain(robot, plan)
 
 
 def _try(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,36 +21,56 @@ from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import plan_change
 from gaitforge.pipeline.tries import Try, Workers, attempt, unexplained
 
+if TYPE_CHECKING:
+    from gaitforge.motion.options import MotionOptions
+
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)
 """Factors on the robot's nominal time of a column for steps that are taken one by one."""
-AMPLE_M = 0.015
-"""[m] that the zero moment point stays inside the feet: with less, other orders of steps are tried"""
+AMPLE_M = 0.008
+"""[m] that centre of mass and zero-moment point stay inside the feet: with less, other orders of steps are tried"""
 LOW_M = 0.012
 """[m] high steps while failed feet still bear load: what is lifted with the body need not be lifted higher"""
 
 
 def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
-    """From the stand after a failure into a gait; nothing before anything has failed.
+    """From the halt after a failure into a gait; nothing before anything has failed.
 
-    Few limbs step one by one, in the order with the best margin; many as in a transition.
-    Raises `UnsolvedError` when there is no plan.
+    Feet are put down elsewhere once the failed ones are off the ground, or while these bear load, where only that
+    has a plan.  Raises `UnsolvedError` when neither has.
     """
-    from gaitforge.footfall.settling import MOST
-
     if now.stand is None:
         return []
+    if now.clear is not None:
+        try:
+            return [Segment(now.clear), *_steps(replace(now, held=()), now.clear, gait, watch, workers)]
+        except UnsolvedError as error:
+            if not now.held:
+                raise
+            watch.progress("motion", f"{', '.join(now.held)} bear load while the others step ({error})")
+    return _steps(now, now.stand, gait, watch, workers)
+
+
+def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
+    """From a stand into a gait: few limbs step one by one, in the order with the best margin, many as always."""
+    from gaitforge.footfall.settling import MOST
+
     start = plan_stand("start", now.robot, gait, now.options, watch, f"{gait.name}_start")
     at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
     if len(gait.pattern.locomotive) <= MOST:
-        return [_settled(now, now.stand, at_rest, watch), Segment(start)]
+        return [_settled(now, stand, at_rest, watch), Segment(start)]
     search = replace(now.options.search, transition_phases="seam")
     options = replace(now.options, search=search)
-    return [plan_change(now.robot, now.stand, at_rest, options, watch, workers), Segment(start)]
+    return [plan_change(now.robot, stand, at_rest, options, watch, workers), Segment(start)]
 
 
 def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch) -> Segment:
-    """From stand to stand, step by step: the first plan with an ample margin, else the one with the largest."""
+    """From stand to stand, step by step: the first plan with an ample margin, else the one with the largest.
+
+    The margin is the smaller one of the centre of mass and of the zero-moment point by inverse dynamics.
+    """
+    from gaitforge.motion.failure.still import static_margin
+
     name, begin = f"{stand.name}_to_{start.name}", time.perf_counter()
     left: list[Attempt] = []
     narrow: list[tuple[float, MotionPlan]] = []
@@ -60,7 +81,7 @@ def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
             left.append(result.left)
             watch.progress("motion", f"{name}: {one.what}: left ({left[-1].why})")
             continue
-        margin = float(result.plan.report.details["zmp_margin_m"])
+        margin = min(float(result.plan.report.details["zmp_margin_m"]), static_margin(now.robot, result.plan))
         watch.progress("motion", f"{name}: {one.what}, margin {1000 * margin:.0f} mm, {result.seconds:.2f} s")
         if margin >= AMPLE_M:
             return Segment(result.plan, 1, tuple(left))
@@ -74,13 +95,27 @@ def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
 
 
 def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iterator[Try]:
-    options = _while_held(now) if now.held else now.options
-    for stretch in UNHURRIED:
-        column_s = now.robot.nominal.transition_column_s * stretch
-        for pattern in _patterns(now, stand, start):
-            steps = " ".join(pattern.info["order"])
-            named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options.motion)}
-            yield Try(f"steps {steps}, {column_s:.3f} s a column", "transition", now.robot, (stand, start), named)
+    """Steps with the centre of mass over the feet, slower ones, and last those that only keep the CoP there."""
+    from gaitforge.motion.failure.still import stepping
+    from gaitforge.motion.options import MotionOptions
+
+    motion = _quick((_while_held(now) if now.held else now.options).motion or MotionOptions())
+    patterns = _patterns(now, stand, start)
+    for how, options in (("", stepping(motion)), (", swaying", motion)):
+        for stretch in UNHURRIED:
+            column_s = now.robot.nominal.transition_column_s * stretch
+            for pattern in patterns:
+                what = f"steps {' '.join(pattern.info['order'])}, {column_s:.3f} s a column{how}"
+                named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options)}
+                yield Try(what, "transition", now.robot, (stand, start), named)
+
+
+def _quick(options: MotionOptions) -> MotionOptions:
+    """The options without a slow second solver: there are other orders to try."""
+    from gaitforge.motion.solvers.structured import Structured
+
+    solver = options.solver
+    return replace(options, solver=replace(solver, fallback=None)) if isinstance(solver, Structured) else options
 
 
 def _patterns(now: Damage, stand: MotionPlan, start: MotionPlan) -> tuple[FootfallPattern, ...]:

@@ -89,6 +89,32 @@ def test_the_next_candidate_is_taken_when_one_is_unsolved(hexapod: RobotModel, p
     assert segment.plan.pattern.contact.tobytes() == patterns[-1]
 
 
+@pytest.mark.parametrize(
+    ("strains", "tried", "taken"), [((1.3, 0.9, 1.4), 2, 1), ((1.3, 1.1, 1.4, 1.2, 2.0, 2.0), 6, 1)]
+)
+def test_a_gait_that_no_motors_hold_is_taken_only_when_all_are_like_that(
+    planner: Planner, monkeypatch: pytest.MonkeyPatch, strains: tuple[float, ...], tried: int, taken: int
+) -> None:
+    asked: list[bytes] = []
+
+    def heavy(robot: RobotModel, pattern: FootfallPattern, *, name: str, duration: float, **more: Any) -> MotionPlan:
+        plan = plan_of(robot, pattern, name, duration)
+        return replace(plan, report=SolveReport(details={"effort_ratio": 1.5}))
+
+    def strain(robot: RobotModel, plan: MotionPlan) -> float:
+        asked.append(plan.pattern.contact.tobytes())
+        return strains[len(asked) - 1]
+
+    monkeypatch.setattr("gaitforge.motion.gait.plan_gait", heavy)
+    monkeypatch.setattr("gaitforge.motion.strain.least_strain", strain)
+    options = replace(OPTIONS, search=Search(gait_batch=1))
+    phase = Phase("walk", gait="program")
+    segment = plan_phase(load_robot("dodecapod"), phase, Scene(), options, Stopwatch())
+    assert len(asked) == tried
+    assert segment.plan.pattern.contact.tobytes() == asked[taken]
+    assert sum("of the motors' efforts" in a.why for a in segment.left) == tried - 1
+
+
 def test_a_search_that_ends_with_nothing_is_unsolved_and_says_what_it_tried(
     hexapod: RobotModel, planner: Planner
 ) -> None:

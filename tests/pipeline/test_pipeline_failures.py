@@ -11,11 +11,13 @@ import pytest
 from gaitforge.errors import InfeasibleFootfall, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.constraints.off_ground import OffGround
+from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.damage import SPEEDS, Damage, kept_clear, stuck
 from gaitforge.pipeline.failures import at_speed, moment, refuse_hopeless, stretches
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.restart import plan_restart
 from gaitforge.pipeline.schedule import plan_task
+from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.tries import Workers
 from gaitforge.robot.load import load_robot
@@ -139,6 +141,35 @@ def test_one_plan_begins_where_the_one_before_ends(hexapod: RobotModel, planned:
         np.testing.assert_allclose(after.plan.base_poses[0, 2:5], before.plan.base_poses[-1, 2:5], atol=1e-6)
 
 
+@pytest.mark.parametrize("held", [("R3",), ()])
+def test_failed_feet_bear_load_once_more_when_there_are_no_steps_from_the_stand_without_them(
+    hexapod: RobotModel, planned: list, monkeypatch: pytest.MonkeyPatch, held: tuple[str, ...]
+) -> None:
+    plans = {s.plan.name: s.plan for s in planned}
+    halt, clear = plans["all_halt"], plans["all_clear"]
+    roles = {"R3": plans["without"].roles["R3"]}
+    asked: list[tuple[str, tuple[str, ...]]] = []
+
+    def settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch) -> Segment:
+        asked.append((stand.name, now.held))
+        if stand is clear:
+            raise UnsolvedError("no steps")
+        return Segment(replace(stand, name="steps"))
+
+    monkeypatch.setattr("gaitforge.pipeline.restart._settled", settled)
+    monkeypatch.setattr("gaitforge.pipeline.restart.plan_stand", lambda *a: plans["without_start"])
+    now = Damage(stuck(hexapod, roles), OPTIONS, roles, halt, clear, held)
+    four = replace(plans["without"], pattern=replace(plans["without"].pattern, contact=np.zeros((6, 12), dtype=bool)))
+    if not held:
+        with pytest.raises(UnsolvedError):
+            plan_restart(now, four, Stopwatch(), Workers())
+        assert asked == [("all_clear", ())]
+        return
+    segments = plan_restart(now, four, Stopwatch(), Workers())
+    assert asked == [("all_clear", ()), ("all_halt", ("R3",))]
+    assert [s.plan.name for s in segments] == ["steps", "without_start"], "the stand without them is left out"
+
+
 def test_a_damaged_robot_may_walk_slower_and_what_was_tried_is_told(
     hexapod: RobotModel, planned: list, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -151,7 +182,7 @@ def test_a_damaged_robot_may_walk_slower_and_what_was_tried_is_told(
         return plans[phase.name]
 
     monkeypatch.setattr("gaitforge.pipeline.schedule.plan_phase", phase)
-    into = [plans["all_clear_to_without_start"], plans["without_start"]]
+    into = [plans[name] for name in ("all_clear", "all_clear_to_without_start", "without_start")]
     monkeypatch.setattr("gaitforge.pipeline.schedule.plan_restart", lambda now, *a: into if now.roles else [])
     done: list = []
     plan_task(hexapod, load_task(DATA, "t", robot=hexapod), OPTIONS, Stopwatch(), done)

@@ -128,3 +128,24 @@ def test_a_limb_hangs_as_low_as_no_other_posture_nearby(hexapod: RobotModel, hei
     others = [lowness(np.clip(q, hexapod.lower[rows], hexapod.upper[rows])) for q in around]
     assert com <= min(c for c, f in others if f >= 0.0) + 1e-5
     assert com < lowness(start)[0] - 0.005, "it has fallen"
+
+
+def test_without_balance_the_margin_is_judged_from_when_feet_are_down_and_the_time_before_is_told(
+    hexapod: RobotModel,
+) -> None:
+    """The feet of one side bear nothing for the first 0.3 s of a stand."""
+    plan = standing(hexapod, {})
+    timeline = build_timeline(hexapod, [(plan, 1)])
+    trace = SIMULATORS["pybullet"].run(hexapod, timeline, Scene())
+    force = trace.normal_force.copy()
+    force[np.ix_(trace.times < 0.3, [limb.side == "right" for limb in hexapod.limbs])] = 0.0
+    lame, found = replace(trace, normal_force=force), {}
+    for unbalanced in (0.0, 0.35):
+        timeline = build_timeline(hexapod, [(replace(plan, unbalanced_s=unbalanced), 1)])
+        found[unbalanced] = {c.name: c for c in judge(hexapod, timeline, lame, "pybullet").checks}
+    assert not found[0.0]["static_margin"].passed
+    assert "unsupported" not in found[0.0]
+    assert found[0.35]["static_margin"].passed
+    told = found[0.35]["unsupported"]
+    assert told.value == pytest.approx(0.3, abs=0.01)
+    assert (told.limit, told.unit, told.passed) == (None, "s", True)

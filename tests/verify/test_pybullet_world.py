@@ -141,7 +141,14 @@ def test_links_weigh_what_the_file_says_and_their_order_is_known() -> None:
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("rate_hz", 0.0), ("position_gain", -1.0), ("friction", -0.1), ("solver_iterations", 0), ("camera_size", (0, 9))],
+    [
+        ("rate_hz", 0.0),
+        ("position_gain", -1.0),
+        ("friction", -0.1),
+        ("solver_iterations", 0),
+        ("solver_residual", -1e-3),
+        ("camera_size", (0, 9)),
+    ],
 )
 def test_settings_that_make_no_sense_are_refused_by_name(key: str, value: object) -> None:
     with pytest.raises(InputError, match=key):

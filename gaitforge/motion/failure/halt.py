@@ -63,7 +63,7 @@ def plan_halt(
     Limbs that `roles` calls failed are locked.  Those whose feet are on the ground bear load until the others
     stand, because what they hold cannot be let go at once; so the body stays where it is.
     Limp ones bear nothing: where the others cannot balance without them, feet in the air are put down as fast as
-    they can be, and the plan says in `relaxed` for how long nothing is promised.
+    they can be, and the plan says in `unbalanced_s` and `relaxed` for how long nothing is promised.
     Raises `UnsolvedError` when the optimiser finds no plan.
     """
     options = options or MotionOptions()
@@ -86,7 +86,8 @@ def plan_halt(
     quick = replace(options, stand_seconds=CATCH_S, constraints=unbalanced)
     caught = _stand(robot, name, pattern, now, roles, quick, families)
     seconds = CATCH_S * LANDING / COLUMNS
-    return replace(caught, relaxed=(*caught.relaxed, f"no balance for {seconds:.2f} s, until feet are put down"))
+    told = f"no balance for {seconds:.2f} s, until feet are put down"
+    return replace(caught, unbalanced_s=seconds, relaxed=(*caught.relaxed, told))
 
 
 def _failed(roles: Mapping[str, Role], mode: str) -> tuple[str, ...]:

@@ -105,25 +105,24 @@ class _Call:
         variables, multipliers = read
         self._p = np.zeros((len(variables), group.kernel.sizes[1]))
         inputs = (variables, self._p, multipliers)
-        self.whole = _mapped(group.kernel.whole, inputs, outputs, native)
-        self.value = _mapped(group.kernel.value, inputs[:2], outputs[:1], native)
+        compiled = compiled_map(group.kernel, inputs, outputs) if native else None
+        self.whole = compiled or _interpreted(group.kernel.whole, inputs, outputs)
+        # compiled code finds derivatives sooner than an interpreter the values alone
+        self.value = compiled or _interpreted(group.kernel.value, inputs[:2], outputs[:1])
 
     def load(self, problem: Problem) -> None:
         np.concatenate([problem.terms[i].parameters for i in self.group.members], out=self._p)
 
 
-def _mapped(function: Any, inputs: tuple[Array, ...], outputs: tuple[Array, ...], native: bool) -> Callable[[], None]:
+def _interpreted(function: Any, inputs: tuple[Array, ...], outputs: tuple[Array, ...]) -> Callable[[], None]:
     """A call without arguments that reads (places, …) arrays and writes flat ones."""
-    call = compiled_map(function, inputs, outputs) if native else None
-    if call is not None:
-        return call
     buffer, run = function.map(len(inputs[0])).buffer()  # CasADi's order: one column a place
     for i, array in enumerate(inputs):
         buffer.set_arg(i, array.reshape(-1).data)
     for i, array in enumerate(outputs):
         buffer.set_res(i, array.data)
 
-    def interpreted(_kept: Any = (buffer, inputs, outputs)) -> None:
+    def call(_kept: Any = (buffer, inputs, outputs)) -> None:
         run()
 
-    return interpreted
+    return call

@@ -10,6 +10,7 @@ from scipy import sparse
 
 from gaitforge.motion.solvers.native import library
 from gaitforge.motion.solvers.supernodal import Supernodal
+from gaitforge.motion.solvers.supernodes import find_supernodes
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -29,8 +30,23 @@ class Factor(Protocol):
 
 def factor_of(indices: Ints, indptr: Ints, native: bool) -> Factor:
     """The compiled factorisation where it is wanted and there is a compiler, qdldl elsewhere."""
-    compiled = library("ldl.c") if native else None
-    return Qdldl(indices, indptr) if compiled is None else Supernodal(indices, indptr, compiled)
+    numeric, symbolic = (library(name) if native else None for name in ("ldl.c", "symbolic.c"))
+    if numeric is None or symbolic is None:
+        return Qdldl(indices, indptr)
+    return Supernodal(find_supernodes(indices, indptr, minimum_degree(indices, indptr), symbolic), numeric)
+
+
+def minimum_degree(indices: Ints, indptr: Ints) -> Ints:
+    """(n,) an ordering with little fill: approximate minimum degree (Amestoy, Davis & Duff 1996) by CasADi.
+
+    The diagonal is given whole: the algorithm needs n entries to move things about in, and CasADi's has no others
+    than those of the diagonal, which it drops; without them it writes where it must not.
+    """
+    import casadi as ca
+
+    size = len(indptr) - 1
+    upper = ca.Sparsity(size, size, indptr.tolist(), indices.tolist()).unite(ca.Sparsity.diag(size))
+    return np.array(upper.unite(upper.T).amd(), dtype=np.int32)
 
 
 class Qdldl:

@@ -3,36 +3,38 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from gaitforge.motion.solvers.supernodes import Ints, Supernodes, find_supernodes
+from gaitforge.motion.solvers.supernodes import Supernodes, pointer
 
 Array = NDArray[np.float64]
+BEYOND = 16
+"""Entries behind the last panel that the compiled code may read (TALL)"""
+WIDE = 8
+"""Most columns of a tile"""
 
 
 class Supernodal:
-    """A factorisation of one pattern; the ordering is qdldl's (AMD)."""
+    """A factorisation of one pattern, whose supernodes are known."""
 
-    def __init__(self, indices: Ints, indptr: Ints, library: ctypes.CDLL) -> None:
-        self._library = library
-        self._nodes = nodes = _analyse(indices, indptr)
-        size, count = len(indptr) - 1, len(nodes.first) - 1
-        self._panels, self._vector = np.zeros(nodes.size), np.zeros(size)
-        pivots, work = np.zeros(size), [np.zeros(nodes.work), np.zeros(nodes.work)]
+    def __init__(self, nodes: Supernodes, library: ctypes.CDLL) -> None:
+        self._library, self._nodes = library, nodes
+        size, count = len(nodes.order), len(nodes.first) - 1
+        panels, self._vector = np.zeros(nodes.size + BEYOND), np.zeros(size)
+        pivots, packed, tallest = np.zeros(size), np.zeros(WIDE * nodes.widest), np.zeros(nodes.tallest)
         integers = [np.zeros(n, dtype=np.int32) for n in (count, count, count, size, size)]
-        shared = [nodes.first, nodes.rowptr, nodes.rows, nodes.start, self._panels, pivots]
-        self._kept = (shared, integers, work)
-        self._factor = [count, *map(_pointer, [*shared, *integers, nodes.owner, *work])]
-        self._solve = [count, *map(_pointer, [*shared, self._vector, work[0]])]
+        self._values = np.zeros(len(nodes.source))
+        shared = [nodes.first, nodes.rowptr, nodes.rows, nodes.start, panels, pivots]
+        entries = [nodes.entry, nodes.source, nodes.target, self._values]
+        self._kept = (shared, integers, packed, tallest)
+        self._factor = [count, *map(pointer, [*shared, *entries, *integers, nodes.owner, packed])]
+        self._solve = [count, *map(pointer, [*shared, self._vector, tallest])]
 
     def factor(self, values: Array) -> int | None:
         """Factor K with these nonzeros (upper triangle by columns); its number of negative pivots, None on failure."""
-        self._panels[:] = 0.0
-        self._panels[self._nodes.target] = values
+        self._values[:] = values
         negative = int(self._library.ldl_factor(*self._factor))
         return negative if negative >= 0 else None
 
@@ -43,18 +45,3 @@ class Supernodal:
         solution = np.empty_like(self._vector)
         solution[self._nodes.order] = self._vector
         return solution
-
-
-def _analyse(indices: Ints, indptr: Ints) -> Supernodes:
-    import qdldl
-
-    size = len(indptr) - 1
-    values = np.full(len(indices), 1e-3)  # any that no pivot vanishes for
-    values[indptr[1:] - 1] = 1.0 + np.diff(indptr)
-    matrix = sparse.csc_matrix((values, indices, indptr), shape=(size, size))
-    lower, _, order = qdldl.Solver(matrix, upper=True).factors()
-    return find_supernodes(indices, indptr, np.asarray(order, dtype=np.intp), lower.indices, lower.indptr)
-
-
-def _pointer(array: Any) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)

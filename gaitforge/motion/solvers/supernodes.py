@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 from dataclasses import dataclass
-from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ Longs = NDArray[np.int64]
 class Supernodes:
     """Panels of L: supernode s holds columns first[s] … first[s+1] − 1 over rows[rowptr[s] : rowptr[s+1]]."""
 
-    order: NDArray[np.intp]
+    order: Ints
     """(n,) permuted position → original index"""
     first: Ints
     rowptr: Ints
@@ -25,82 +26,50 @@ class Supernodes:
     """Where each panel begins in the array of all panels"""
     owner: Ints
     """(n,) supernode of each column"""
-    target: NDArray[np.intp]
-    """Where each nonzero of the matrix (upper triangle by columns) goes in the panels"""
-    work: int
-    """Largest update of one supernode by another, in entries"""
+    entry: Ints
+    """Nonzeros of the matrix (upper triangle by columns) by supernode: entry[s] … entry[s+1] − 1 of the next two"""
+    source: Ints
+    """Which nonzero"""
+    target: Ints
+    """Where it goes in its supernode's panel"""
 
     @property
     def size(self) -> int:
         """Entries of all panels."""
         return int(self.start[-1])
 
+    @property
+    def widest(self) -> int:
+        """Columns of the widest supernode."""
+        return int(np.diff(self.first).max())
 
-def find_supernodes(
-    indices: Ints, indptr: Ints, order: NDArray[np.intp], lower_indices: Ints, lower_indptr: Ints
-) -> Supernodes:
-    """From the matrix' pattern, an ordering, and the pattern of L strictly below its diagonal in that order.
+    @property
+    def tallest(self) -> int:
+        """Rows of the tallest panel."""
+        return int(np.diff(self.rowptr).max())
 
-    A column joins the one after it when that is its parent in the elimination tree and few zeros are stored for it.
+
+def find_supernodes(indices: Ints, indptr: Ints, order: Ints, library: ctypes.CDLL) -> Supernodes:
+    """From the pattern of the matrix and an ordering, by the compiled code of `symbolic.c`.
+
+    Of the elimination tree's postorder, which fills in as much as `order` does, a column joins the one after it
+    when that is its parent and few zeros are stored for it.
     """
-    size = len(indptr) - 1
-    counts = np.diff(lower_indptr)
-    columns = [np.sort(lower_indices[lower_indptr[j] : lower_indptr[j + 1]]) for j in range(size)]
-    first, zeros = [0], 0
-    for j in range(1, size):
-        child = columns[j - 1]
-        width = j - first[-1]
-        extra = width * (counts[j] + 1 - counts[j - 1]) if len(child) and child[0] == j else -1
-        full = (width + 1) * (counts[j] + 1 + width / 2)
-        if extra >= 0 and (zeros + extra) <= _allowed(width + 1) * full:
-            zeros += extra
-        else:
-            first.append(j)
-            zeros = 0
-    first.append(size)
-    begins = np.array(first, dtype=np.int32)
-    rows = [np.concatenate([np.arange(a, b), columns[b - 1]]) for a, b in pairwise(first)]
-    heights, widths = np.array([len(r) for r in rows]), np.diff(begins)
-    rowptr = np.concatenate([[0], np.cumsum(heights)])
-    start = np.concatenate([[0], np.cumsum(heights * widths)])
-    owner = np.repeat(np.arange(len(widths)), widths)
-    return Supernodes(
-        order=order,
-        first=begins,
-        rowptr=rowptr.astype(np.int32),
-        rows=np.concatenate(rows).astype(np.int32),
-        start=start.astype(np.int64),
-        owner=owner.astype(np.int32),
-        target=_targets(indices, indptr, order, begins, rows, heights, start, owner),
-        work=int((heights * np.maximum(widths.max(), 1)).max()),
-    )
+    size, entries = len(indptr) - 1, len(indices)
+    order, work = np.array(order, dtype=np.int32), np.zeros(8 * size + 10, dtype=np.int32)
+    first, rowptr = np.zeros(size + 1, dtype=np.int32), np.zeros(size + 1, dtype=np.int32)
+    source, target = np.zeros(entries, dtype=np.int32), np.zeros(entries, dtype=np.int32)
+    given = (indptr, indices, order, first, rowptr)
+    count = library.symbolic_supernodes(size, *map(pointer, (*given, work, source)))
+    first, rowptr = first[: count + 1].copy(), rowptr[: count + 1].copy()
+    rows, owner = np.zeros(rowptr[-1], dtype=np.int32), np.zeros(size, dtype=np.int32)
+    entry = np.zeros(count + 1, dtype=np.int32)
+    found = (rows, owner, entry, source, target)
+    library.symbolic_rows(size, count, *map(pointer, (indptr, indices, order, first, rowptr, *found, work)))
+    start = np.concatenate([[0], np.cumsum(np.diff(first).astype(np.int64) * np.diff(rowptr))])
+    return Supernodes(order, first, rowptr, rows, start, *found[1:])
 
 
-def _allowed(width: int) -> float:
-    """Share of stored zeros that a supernode may have: narrow ones gain most from being joined."""
-    return 0.6 if width <= 4 else 0.3 if width <= 16 else 0.1
-
-
-def _targets(
-    indices: Ints,
-    indptr: Ints,
-    order: NDArray[np.intp],
-    first: Ints,
-    rows: list[NDArray[np.intp]],
-    heights: NDArray[np.intp],
-    start: NDArray[np.intp],
-    owner: NDArray[np.intp],
-) -> NDArray[np.intp]:
-    place = np.empty(len(order), dtype=np.intp)
-    place[order] = np.arange(len(order))
-    a = place[indices]
-    b = place[np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))]
-    row, column = np.maximum(a, b), np.minimum(a, b)
-    node = owner[column]
-    target = np.empty(len(row), dtype=np.intp)
-    by_node = np.argsort(node, kind="stable")
-    bounds = np.searchsorted(node[by_node], np.arange(len(rows) + 1))
-    for s, own in enumerate(rows):
-        here = by_node[bounds[s] : bounds[s + 1]]
-        target[here] = start[s] + (column[here] - first[s]) * heights[s] + np.searchsorted(own, row[here])
-    return target
+def pointer(array: Any) -> ctypes.c_void_p:
+    """Where an array's numbers lie."""
+    return ctypes.c_void_p(array.ctypes.data)

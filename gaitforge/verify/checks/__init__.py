@@ -2,7 +2,14 @@
 
 from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
 from gaitforge.verify.checks.body import BodyHeight, Fallen, Tilt
-from gaitforge.verify.checks.contact import ContactAgreement, LimpContacts, Slip, StaticMargin, UnplannedContacts
+from gaitforge.verify.checks.contact import (
+    ContactAgreement,
+    LimpContacts,
+    Slip,
+    StaticMargin,
+    UnplannedContacts,
+    Unsupported,
+)
 from gaitforge.verify.checks.effort import CostOfTransport, JointTracking, PeakEffort, PeakSpeed
 from gaitforge.verify.checks.limits import CheckLimits, SegmentLimits
 from gaitforge.verify.checks.load import LoadAngle, LoadPlace
@@ -29,6 +36,7 @@ ALL: tuple[SegmentCheck, ...] = (
     CostOfTransport(),
     LateralDrift(),
     LimpContacts(),
+    Unsupported(),
 )
 
 __all__ = ["ALL", "CheckLimits", "Finding", "Segment", "SegmentCheck", "SegmentLimits"]

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
+from gaitforge.verify.checks.base import Finding, Rows, Segment, SegmentCheck
 from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.feet import CONTACT_N
 from gaitforge.verify.limp import limp_feet
@@ -88,18 +88,17 @@ class StaticMargin(SegmentCheck):
 
     Tips on a load that stands on something support nothing, and the load counts from when it is lifted
     (`grasps.laden_com`): a robot that leans on what it holds has a margin below zero.
+
+    Where a plan says that nothing balances the robot at first (`MotionPlan.unbalanced_s`: a leg that bore it is gone),
+    it is judged from then on; `Unsupported` says for how long it was without a margin.
     """
 
     name: ClassVar[str] = "static_margin"
     title: ClassVar[str] = "static margin from real contacts"
 
     def find(self, segment: Segment) -> Finding:
-        trace, rows = segment.trace, segment.judged
-        height = float(np.median(trace.com[rows, 2]))
-        steps = int(np.sqrt(max(height, 0.0) / GRAVITY) / segment.dt)
-        bears = (trace.normal_force > CONTACT_N) & ~limp_feet(segment.timeline, trace.plan.segment)
-        holds = bridged(bears, steps)[rows]
-        margin = static_margin(trace.com[rows, :2], trace.contact_points[rows, :, :2], holds)
+        rows, since = segment.judged, segment.entry.start + segment.entry.plan.unbalanced_s
+        margin = bridged_margin(segment, rows[segment.trace.times[rows] >= since - 1e-9])
         value = lasting_minimum(margin, max(round(segment.limits.margin_hold_s / segment.dt), 1))
         return Finding.at_least(1000.0 * value, self._limit(segment), "mm")
 
@@ -108,6 +107,29 @@ class StaticMargin(SegmentCheck):
         limit = segment.limit
         laden = any(h.mass > 0.0 for h in segment.entry.plan.holdings)
         return limit.laden_margin_mm if laden and limit.laden_margin_mm is not None else limit.static_margin_mm
+
+
+@dataclass(frozen=True)
+class Unsupported(SegmentCheck):
+    """How long there was no static margin in a segment that begins without balance; *fallen* and *tilt* judge it."""
+
+    name: ClassVar[str] = "unsupported"
+    title: ClassVar[str] = "time without a static margin"
+
+    def find(self, segment: Segment) -> Finding | None:
+        if segment.entry.plan.unbalanced_s == 0.0:
+            return None
+        seconds = float((bridged_margin(segment, segment.judged) < 0.0).sum()) * segment.dt
+        return Finding(seconds, None, "s")
+
+
+def bridged_margin(segment: Segment, rows: Rows) -> Array:
+    """(k,) static margin [m] at these rows of the trace, contacts that are lost for a moment counted as held."""
+    trace = segment.trace
+    height = float(np.median(trace.com[rows, 2]))
+    steps = int(np.sqrt(max(height, 0.0) / GRAVITY) / segment.dt)
+    bears = (trace.normal_force > CONTACT_N) & ~limp_feet(segment.timeline, trace.plan.segment)
+    return static_margin(trace.com[rows, :2], trace.contact_points[rows, :, :2], bridged(bears, steps)[rows])
 
 
 def lasting_minimum(values: Array, hold: int) -> float:
