@@ -128,8 +128,8 @@ class InteriorPoint:
     # -- beginning and end -----------------------------------------------------------------
     def begin(self, x: Array, multipliers: Multipliers | None) -> Point:
         """Slacks that are positive wherever x lies; z t = μ, or the multipliers of a similar problem."""
-        with self._timed("evaluate"):
-            cost, rows = self.evaluation.values(x)
+        self._evaluate(x, np.zeros(self.rows))
+        cost, rows = self.evaluation.cost, self.evaluation.rows
         mu, gap = self.rules.initial_barrier, self.sides.gap(x, rows)
         if multipliers is None:
             t = np.maximum(gap, mu)
@@ -142,7 +142,8 @@ class InteriorPoint:
             known[: len(multipliers.rows)] = multipliers.rows[: self.rows]
             duals = self._duals(z, known[self.sides.equal])
         primals = self._primals(x, t, gap, rows, cost)
-        self._evaluate(x, duals)
+        if duals.rows.any():  # known from before, or of rows with room
+            self._evaluate(x, duals.rows)
         return self._point(primals, duals)
 
     def multipliers(self, point: Point) -> Multipliers:
@@ -170,15 +171,15 @@ class InteriorPoint:
             step, mu = self._direction(point, newton)
             following = self._search(point, step, mu, halvings=0)
             if following is None:  # the corrector promised too much
-                self._evaluate(point.primals.x, point.duals)
+                self._evaluate(point.primals.x, point.duals.rows)
                 plain = newton(mu - point.duals.z * point.primals.t)
                 following = self._search(point, plain, mu, halvings=6)
             point = following or point
             self.iterations += 1
 
-    def _evaluate(self, x: Array, duals: Duals) -> None:
+    def _evaluate(self, x: Array, multipliers: Array) -> None:
         with self._timed("evaluate"):
-            self.evaluation.derivatives(x, duals.rows)
+            self.evaluation.derivatives(x, multipliers)
 
     def _duals(self, z: Array, y: Array) -> Duals:
         force = self.sides.add(-self.sides.sign * z)
@@ -276,7 +277,7 @@ class InteriorPoint:
         for halving in range(halvings + 1):
             x, ahead = old.x + length * step.x, self._duals(z, duals.y + length * step.y)
             if halving == 0:  # nearly always taken, so everything is evaluated at once
-                self._evaluate(x, ahead)
+                self._evaluate(x, ahead.rows)
                 cost, rows = self.evaluation.cost, self.evaluation.rows
             else:
                 with self._timed("evaluate"):
@@ -290,7 +291,7 @@ class InteriorPoint:
             if not halvings:
                 return None
         if halving:
-            self._evaluate(x, ahead)
+            self._evaluate(x, ahead.rows)
         return self._point(trial, ahead)
 
     @contextmanager
