@@ -82,7 +82,7 @@ class Structured:
         method = InteriorPoint(problem, workspace, self._rules())
         point, status = method.run(method.begin(x[structure.free], known))
         full = problem.bounds[0].copy()  # constants stand at their bounds
-        full[structure.free] = point.x
+        full[structure.free] = point.primals.x
         worst = problem.violations(full, workspace.evaluation.rows)
         timings = {"structure": prepared, **method.timings}
         rest = time.process_time() - busy - sum(timings.values())
