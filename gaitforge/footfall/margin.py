@@ -26,7 +26,8 @@ class Stability:
 def support_margins(feet: Array, stance: NDArray[np.bool_], points: Array) -> Array:
     """(k, p) signed distance of p points (p, 2) from the edge of each of k support polygons, positive inside [m].
 
-    `feet` (k, n, 2) and `stance` (k, n).  Outside, the distance is to the line of the edge missed most.
+    `feet` (k, n, 2) and `stance` (k, n); points (k, p, 2): each polygon has its own.  Outside, the distance is
+    to the line of the edge missed most.
     """
     edge = feet[:, None, :, :] - feet[:, :, None, :]  # (k, i, j, 2) from foot i to foot j
     length = np.linalg.norm(edge, axis=-1)
@@ -36,8 +37,10 @@ def support_margins(feet: Array, stance: NDArray[np.bool_], points: Array) -> Ar
     inside = (reach <= offset[..., None] + 1e-9) | ~stance[:, None, None, :]
     hull = inside.all(axis=-1) & stance[:, :, None] & stance[:, None, :] & (length > 1e-9)
     polygon, i, j = np.nonzero(hull)
-    distance = offset[polygon, i, j][:, None] - normal[polygon, i, j] @ points.T  # (edges, p)
-    margins = np.full((len(feet), len(points)), OUTSIDE)
+    mine = normal[polygon, i, j]
+    along = mine @ points.T if points.ndim == 2 else np.einsum("ed,epd->ep", mine, points[polygon])
+    distance = offset[polygon, i, j][:, None] - along  # (edges, p)
+    margins = np.full((len(feet), points.shape[-2]), OUTSIDE)
     if len(polygon):
         first = np.flatnonzero(np.diff(polygon, prepend=-1))
         margins[polygon[first]] = np.minimum.reduceat(distance, first, axis=0)

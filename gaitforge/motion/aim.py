@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -66,17 +68,25 @@ def pointing_error(
     return np.asarray(np.linalg.norm(missed, axis=1))
 
 
-def _mount(robot: RobotModel, limb: Limb, tool: ToolMount) -> Array:
-    """(4, 4) tool frame in the body of the limb's last joint."""
-    last = robot.pin.getJointId(limb.joints[-1])
+class _Mount(NamedTuple):
+    """Where a tool sits on its limb."""
+
+    body: int
+    """Which of the limb's joints moves it last"""
+    T: Array
+    """(4, 4) tool frame in the body of that joint"""
+
+
+def _mount(robot: RobotModel, limb: Limb, tool: ToolMount) -> _Mount:
     import pinocchio
 
+    own = {robot.pin.getJointId(name): number for number, name in enumerate(limb.joints)}
     frame = robot.pin.frames[robot.pin.getFrameId(tool.link, pinocchio.FrameType.BODY)]
     joint, placement = frame.parentJoint, frame.placement
-    while joint != last:  # a tool joint at its zero
+    while joint not in own:  # a tool joint at its zero
         placement = robot.pin.jointPlacements[joint] * placement
         joint = robot.pin.parents[joint]
-    return np.asarray(placement.homogeneous @ tool.T_link_tool, dtype=float)
+    return _Mount(own[joint], np.asarray(placement.homogeneous @ tool.T_link_tool, dtype=float))
 
 
 def _in_base(base_poses: NDArray[np.float64], target: NDArray[np.float64]) -> Array:
@@ -84,11 +94,11 @@ def _in_base(base_poses: NDArray[np.float64], target: NDArray[np.float64]) -> Ar
     return np.asarray(np.einsum("nji,nj->ni", matrices(base_poses[:, 3:6]), target - base_poses[:, :3]))
 
 
-def _error(q: Array, parameters: Array, mount: Array, goal: Array) -> Array:
+def _error(q: Array, parameters: Array, mount: _Mount, goal: Array) -> Array:
     """(n, 2) [rad] the angle by which the axis misses the goal, as a vector across the axis; π when it points away."""
     pose = evaluate_limb(q, parameters)
-    turn = pose.turns[:, -1] @ mount[:3, :3]
-    origin = pose.origins[:, -1] + pose.turns[:, -1] @ mount[:3, 3]
+    carrier, T = pose.turns[:, mount.body], mount.T
+    turn, origin = carrier @ T[:3, :3], pose.origins[:, mount.body] + carrier @ T[:3, 3]
     seen = np.einsum("nji,nj->ni", turn, goal - origin)
     across = np.linalg.norm(seen[:, :2], axis=1)
     away = across < 1e-12  # no direction across the axis: on target, or exactly behind

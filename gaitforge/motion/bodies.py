@@ -99,8 +99,35 @@ def ends_in_base(capsule: LimbCapsule, poses: dict[int, LimbPoses], times: int) 
 def swept(capsules: tuple[LimbCapsule, ...], poses: dict[int, LimbPoses]) -> tuple[Array, Array, Array]:
     """Ends a, b (C, n, 3) of the capsules in the base frame and their radii (C,) [m]."""
     times = len(next(iter(poses.values())).foot)
-    ends = [ends_in_base(c, poses, times) for c in capsules]
-    return np.array([e[0] for e in ends]), np.array([e[1] for e in ends]), np.array([c.radius for c in capsules])
+    out = np.empty((2, len(capsules), times, 3))
+    for limb, joint, members, points in _bodies(capsules):
+        if limb != BASE:
+            pose = poses[limb]
+            turned = pose.turns[:, joint].reshape(-1, 3) @ points.T  # (3 n, ends)
+            points = turned.reshape(times, 3, -1).transpose(2, 0, 1) + pose.origins[:, joint]
+        else:
+            points = np.broadcast_to(points[:, None], (len(points), times, 3))
+        out[:, members] = points.reshape(-1, 2, times, 3).swapaxes(0, 1)
+    return out[0], out[1], _radii(capsules)
+
+
+@lru_cache(maxsize=16)
+def _bodies(capsules: tuple[LimbCapsule, ...]) -> tuple[tuple[int, int, Index, Array], ...]:
+    """Limb and joint of every body, which capsules it has, and both ends of each in its frame, one below the other."""
+    members: dict[tuple[int, int], list[int]] = {}
+    for i, c in enumerate(capsules):
+        members.setdefault((c.limb, c.joint), []).append(i)
+    return tuple(
+        (*body, np.array(which), np.array([end for i in which for end in (capsules[i].a, capsules[i].b)]))
+        for body, which in members.items()
+    )
+
+
+@lru_cache(maxsize=16)
+def _radii(capsules: tuple[LimbCapsule, ...]) -> Array:
+    radii = np.array([c.radius for c in capsules])
+    radii.setflags(write=False)
+    return radii
 
 
 def closest_pairs(

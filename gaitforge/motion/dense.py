@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,42 +65,50 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
     joints, rates = plan.joint_spline(times), plan.joint_spline(times, 1)
     base = plan.base_spline(times)
     poses = evaluate_limbs(robot, joints)
-    turns = matrices(base[:, 3:6])
     held = np.repeat(plan.pattern.contact.T, plan.samples_per_column * per_interval, axis=0)
-    worst = [_foot(robot, i, poses[i], turns, base, held[:, i], plan.pattern.cyclic) for i in poses]
-    deep, lift, slip, clear = (np.array(v) for v in zip(*worst, strict=True))
+    deep, lift, slip, clear = _feet(robot, poses, base, held, plan.pattern.cyclic)
     close = closest_pairs(limb_capsules(robot), poses, margin, per_interval)
     close += closest_to_trunk(robot, poses, margin, per_interval)
     return DenseReport(
         speed_ratio=np.abs(rates).max(axis=0) / robot.velocity,
         limit_excess=np.maximum(joints - robot.upper, robot.lower - joints).max(axis=0),
-        penetration=float(deep.max()),
-        lift=float(lift.max()),
-        slip=float(slip.max()),
-        swing_clearance=float(clear.min()),
+        penetration=deep,
+        lift=lift,
+        slip=slip,
+        swing_clearance=clear,
         trunk_height=trunk_height(robot, base),
         close=tuple(close),
     )
 
 
-def _foot(
-    robot: RobotModel, limb: int, pose: LimbPoses, turns: Array, base: Array, held: NDArray[np.bool_], cyclic: bool
+def _feet(
+    robot: RobotModel, poses: Mapping[int, LimbPoses], base: Array, held: NDArray[np.bool_], cyclic: bool
 ) -> tuple[float, float, float, float]:
-    """Penetration, lift in stance, slip in a stance, mid-swing clearance of one foot."""
-    radius = robot.limbs[limb].foot.radius
-    centre = base[:, :3] + np.einsum("nij,nj->ni", turns, pose.foot)
-    height = centre[:, 2] - radius
-    on = np.append(held, held[0] if cyclic else held[-1])
-    if not held.any():
-        return float(max(0.0, -height.min())), 0.0, 0.0, float(height.min())
-    rolled = turns @ pose.rotation
-    forth = np.einsum("nij,nj->ni", rolled[1:], rolled[:-1, 2])
-    back = np.einsum("nij,nj->ni", rolled[:-1], rolled[1:, 2])
-    creep = (centre[1:] - centre[:-1] - radius * 0.5 * (forth - back))[:, :2]
-    way = np.cumsum(np.where(held[:, None], creep, 0.0), axis=0)
-    lifts = np.maximum.accumulate(np.where(held, -1, np.arange(len(held))))  # the last time it was in the air
-    begun = np.where(lifts[:, None] >= 0, way[lifts], 0.0)
-    slip = float(np.linalg.norm(way - begun, axis=1).max())
-    air = ~on & ~np.roll(on, 1) & ~np.roll(on, -1)
-    clear = float(height[air].min()) if air.any() else float("inf")
-    return float(max(0.0, -height.min())), float(height[on].max()), slip, clear
+    """Penetration, lift in stance, slip in a stance, mid-swing clearance, each the worst of all feet; held (n, n_F)."""
+    turns, radius = matrices(base[:, 3:6]), np.array([limb.foot.radius for limb in robot.limbs])
+    foot = np.stack([pose.foot for pose in poses.values()], axis=1)  # (n + 1, n_F, 3)
+    centre = base[:, None, :3] + foot @ turns.swapaxes(1, 2)
+    height = centre[..., 2] - radius
+    rolled = turns[:, None] @ np.stack([pose.rotation for pose in poses.values()], axis=1)
+    way = _creep(centre, rolled, radius, held)
+    walks = held.any(axis=0)
+    on = np.concatenate([held, held[:1] if cyclic else held[-1:]])
+    air = ~on & ~np.roll(on, 1, axis=0) & ~np.roll(on, -1, axis=0) | ~walks
+    return (
+        max(0.0, -float(height.min())),
+        float(height[on].max(initial=-np.inf if walks.all() else 0.0)),
+        float(np.linalg.norm(way, axis=-1).max()),
+        float(height[air].min(initial=np.inf)),
+    )
+
+
+def _creep(centre: Array, rolled: Array, radius: Array, held: NDArray[np.bool_]) -> Array:
+    """(n, n_F, 2) way of the contact points since each stance began, rolling taken out."""
+    forth = (rolled[1:] @ rolled[:-1, :, 2, :, None])[..., 0]
+    back = (rolled[:-1] @ rolled[1:, :, 2, :, None])[..., 0]
+    creep = (centre[1:] - centre[:-1] - 0.5 * radius[:, None] * (forth - back))[..., :2]
+    way = np.cumsum(np.where(held[..., None], creep, 0.0), axis=0)
+    order = np.arange(len(held))[:, None]
+    lifts = np.maximum.accumulate(np.where(held, -1, order), axis=0)  # the last time it was in the air
+    begun = np.take_along_axis(way, np.maximum(lifts, 0)[..., None], axis=0)
+    return np.asarray(way - np.where(lifts[..., None] >= 0, begun, 0.0))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from gaitforge.motion.constraints.balance import GRAVITY
 from gaitforge.motion.constraints.effort import quasi_static_torques
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.robot.kinematics import limb_parameters
+from gaitforge.robot.kinematics import evaluate_alike, limb_parameters
 from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -21,15 +21,17 @@ def joint_torques(robot: RobotModel, plan: MotionPlan) -> Array:
     lets feet do to each other, and accelerations, are left out.  Tool joints are not loaded (NaN).
     """
     robot = robot.carrying(*plan.loads)
-    samples = len(plan.times)
-    torques = np.full((samples, 2, len(robot.joint_names)), np.nan)
-    for i, limb in enumerate(robot.limbs):
-        rows = robot.joint_indices(limb)
-        joints = np.repeat(plan.joint_positions[rows].T, 2, axis=0)
-        rpy = np.repeat(plan.base_poses[:, 3:6], 2, axis=0)
-        force = robot.mass * GRAVITY * plan.weights[:, :, i].ravel()
-        found = quasi_static_torques(joints, limb_parameters(robot, limb), rpy, limb.foot.radius, force)
-        torques[:, :, rows] = found.reshape(samples, 2, len(rows))
+    torques = np.full((len(plan.times), 2, len(robot.joint_names)), np.nan)
+    for members, rows, poses in evaluate_alike(robot, plan.joint_positions.T):
+        limbs = [robot.limbs[i] for i in members]
+        geometry, radius = (
+            np.array([limb_parameters(robot, x) for x in limbs]),
+            np.array([x.foot.radius for x in limbs]),
+        )
+        for side in (0, 1):
+            force = robot.mass * GRAVITY * plan.weights[:, side, members].T
+            found = quasi_static_torques(poses, geometry, plan.base_poses[:, 3:6], radius, force)
+            torques[:, side, rows] = found.transpose(1, 0, 2)
     return torques
 
 

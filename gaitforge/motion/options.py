@@ -48,6 +48,8 @@ class MotionOptions:
     """[s] to start from a stand or to stop"""
     refinements: int = 6
     """How often a plan is refined when its spline misses a bound between samples."""
+    iterations: int = 360
+    """After so many, on a finer grid counted in proportion, a plan is not refined any more; most take 10 to 100"""
     stability_share: float = 0.5
     """The share in force, one of `stability_shares`."""
     constraints: tuple[Family, ...] = field(default_factory=default_constraints)
@@ -55,7 +57,7 @@ class MotionOptions:
     costs: tuple[Family, ...] = field(default_factory=default_costs)
     """Cost families."""
     explain: bool = True
-    """Whether the least violated point is looked for when there is no plan: some seconds, for an answer to why."""
+    """Whether changes that would help are tried when there is no plan: a second or two, for advice that was tested."""
     table: bool = False
     """Whether reports say what the problem consists of (`motion.table`)."""
     solver: MotionSolver = field(default_factory=Structured)

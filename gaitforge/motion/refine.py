@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
+from gaitforge.motion.causes import Cause, as_explain, causes_of, causes_of_misses
 from gaitforge.motion.dense import DenseReport, check_densely
 from gaitforge.motion.effort import effort_ratios
 from gaitforge.motion.options import MotionOptions
@@ -20,40 +21,38 @@ from gaitforge.motion.solvers.solution import Solution
 from gaitforge.motion.solvers.structured import Structured
 from gaitforge.motion.zmp import zero_moment_point
 
+KINEMATIC = {"kinematics", "rolling", "joint_speed"}
+"""Families that no stability share changes"""
+
 
 def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     """A plan whose spline keeps its bounds between samples too; `UnsolvedError` when none was found.
 
     Joint speeds, position limits and clearance are answered with rows and bounds, feet that the spline pushes
     into the ground or drags with a finer grid, and a problem without a solution with the next smaller
-    stability share; the plan's `relaxed` and report say which.  When why is to be told (`options.explain`), a
-    failure of the fast solver is explained before its slow fallback is asked, which it then is only where
-    the explanation finds nothing in the way.
+    stability share, unless what is in the way are feet or joints alone; the plan's `relaxed` and report say
+    which.  A failure says who is in the way, and, where that is asked for (`options.explain`), what would help.
     """
-    if not options.explain:
-        return _over_shares(segment, options, Remedies())
-    from gaitforge.motion.explain import explained
-
-    solver, remedies = options.solver, Remedies()
-    quick = replace(options, solver=replace(solver, fallback=None)) if isinstance(solver, Structured) else options
     try:
-        return _over_shares(segment, quick, remedies)
+        return _over_shares(segment, options)
     except UnsolvedError as failure:
-        error = explained(segment, options, failure, remedies.shares)
-    if quick is options or error.explain.get("causes"):
-        raise error
-    return _over_shares(segment, options, Remedies())  # nothing is in the way: the fallback may find what was missed
+        if not options.explain:
+            raise
+        from gaitforge.motion.explain import explained
+
+        raise explained(segment, options, failure) from None
 
 
-def _over_shares(segment: Segment, options: MotionOptions, remedies: Remedies) -> MotionPlan:
-    """The plan of the first stability share that has one; `remedies` is left with what the last one added."""
+def _over_shares(segment: Segment, options: MotionOptions) -> MotionPlan:
+    """The plan of the first stability share that has one, else the failure of the last."""
     failure: UnsolvedError | None = None
     for share in options.stability_shares:
-        remedies.clear()
         try:
-            plan = _refined(segment, replace(options, stability_share=share), remedies)
+            plan = _refined(segment, replace(options, stability_share=share))
         except UnsolvedError as error:
-            failure = failure or error
+            failure = error
+            if _beyond_balance(error):
+                break
             continue
         relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
         return replace(plan, relaxed=(*plan.relaxed, *relaxed))
@@ -61,37 +60,38 @@ def _over_shares(segment: Segment, options: MotionOptions, remedies: Remedies) -
     raise failure
 
 
-def _refined(segment: Segment, options: MotionOptions, remedies: Remedies) -> MotionPlan:
+def _beyond_balance(failure: UnsolvedError) -> bool:
+    """Whether feet or joints are in the way and the centre of pressure is not: a smaller share would not help."""
+    families = set(failure.explain.get("families", ()))
+    return "causes" in failure.explain and bool(families & KINEMATIC) and "balance" not in families
+
+
+def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     """Solve on the asked grid, then with what the dense check asks for."""
-    remedies.shares.update(_role_changes(segment))
+    remedies = Remedies(_role_changes(segment))
     answered: tuple[str, ...] = ()
     start: Solution | None = None
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(remedies.applied(options), remedies.families, start)
         remedies.record(answered, plan.report)
         if not solution.solved:
-            raise _unsolved(segment, solution, turn)
+            raise _unsolved(segment, solution, turn, _in_the_way(segment, options, remedies, solution))
         report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
         missed, start = misses(segment, options, report), solution
         if not missed:
             return _reported(segment, plan, options, report, remedies)
+        if remedies.work >= options.iterations:
+            break
         answered = tuple(m.family for m in missed)
         finer = _finer(segment, options, report)
+        remedies.answer(segment, options, report)
         if finer > segment.grid.samples_per_column:
+            remedies.move_to(finer, segment.grid.samples_per_column)
             segment, start = segment.on_grid(finer), None
-            remedies.clearances.clear()  # their samples are another grid's
-        else:
-            remedies.answer(segment, options, report)
     raise UnsolvedError(
-        f"{segment.name}: after {options.refinements} refinements the spline still misses a bound: "
+        f"{segment.name}: after {turn} refinements the spline still misses a bound: "
         + ", ".join(m.text for m in missed),
-        {
-            "segment": segment.name,
-            "families": sorted({m.family for m in missed}),
-            "limbs": sorted({m.limb for m in missed if m.limb}),
-            "advice": "walk slower, take more time, or choose another pattern or posture",
-            **report.as_dict(),
-        },
+        {"segment": segment.name, **as_explain(causes_of_misses(missed)), **report.as_dict()},
     )
 
 
@@ -154,21 +154,26 @@ def _role_changes(segment: Segment) -> dict[int, float]:
     return shares
 
 
-def _unsolved(segment: Segment, solution: Solution, turn: int) -> UnsolvedError:
+def _in_the_way(segment: Segment, options: MotionOptions, remedies: Remedies, failed: Solution) -> list[Cause]:
+    """What the least violated point says, which is looked for only on request if the solver has not."""
+    violations = failed.violations
+    if violations is None and options.explain:
+        problem, _ = segment.build(remedies.applied(options), remedies.families)
+        violations = Structured().nearest(problem).violations
+    return causes_of(segment, violations or ())
+
+
+def _unsolved(segment: Segment, solution: Solution, turn: int, causes: Sequence[Cause]) -> UnsolvedError:
     family, (value, where, unit) = max(
         solution.worst.items(), key=lambda item: item[1][0], default=("nothing", (0.0, "", ""))
     )
     when = "" if not turn else f" in refinement {turn}"
-    return UnsolvedError(
-        f"{segment.name}: {solution.status}{when} after {solution.iterations} iterations; "
-        f"worst is {family} at {where}, off by {value:.2g} {unit}",
-        {
-            "segment": segment.name,
-            "status": solution.status,
-            "families": [family],
-            "where": str(where),
-            "value": value,
-            "unit": unit,
-            "advice": "walk slower, lower the steps, or try another pattern",
-        },
-    )
+    message = f"{segment.name}: {solution.status}{when} after {solution.iterations} iterations"
+    explain = {
+        "segment": segment.name, "status": solution.status, "families": [family], "where": str(where),
+        "value": value, "unit": unit, "advice": "walk slower, lower the steps, or try another pattern",
+    }  # fmt: skip
+    if not causes:
+        return UnsolvedError(f"{message}; worst is {family} at {where}, off by {value:.2g} {unit}", explain)
+    told = as_explain(causes)
+    return UnsolvedError(f"{message}; {told['text']}", {**explain, **told})

@@ -52,12 +52,6 @@ class Remedies:
     """[rad] kept from position limits on top of the option"""
     log: list[dict[str, Any]] = field(default_factory=list)
 
-    def clear(self) -> None:
-        """Forget everything, for another start."""
-        self.shares.clear()
-        self.clearances.clear()
-        self.trunk, self.joint_margin, self.log = [], 0.0, []
-
     @property
     def families(self) -> list[Family]:
         """Constraint families to be added to the problem."""
@@ -72,6 +66,18 @@ class Remedies:
         size = {key: report.details[key] for key in ("rows", "variables")}
         done = {"iterations": report.iterations, "seconds": round(report.seconds, 5)}
         self.log.append({"for": sorted(set(answered)), **size, **done})
+
+    @property
+    def work(self) -> float:
+        """Iterations so far, one on a finer grid counted as many times as there are more variables."""
+        return sum(e["iterations"] * e["variables"] for e in self.log) / self.log[0]["variables"] if self.log else 0.0
+
+    def move_to(self, finer: int, before: int) -> None:
+        """Ask for the same clearances at the nearest samples of another grid, given in samples a column."""
+        self.clearances = [
+            replace(c, pairs=tuple(p._replace(sample=round(p.sample * finer / before)) for p in c.pairs))
+            for c in self.clearances
+        ]
 
     def answer(self, segment: Segment, options: MotionOptions, report: DenseReport) -> None:
         """Add what helps against joint speeds, position limits, a trunk in the ground and bodies too close."""

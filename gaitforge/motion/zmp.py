@@ -44,9 +44,7 @@ def zero_moment_point(robot: RobotModel, plan: MotionPlan, per_interval: int = 2
     column = np.minimum((times / plan.duration * plan.pattern.columns).astype(int), plan.pattern.columns - 1)
     stance = plan.pattern.contact.T[column]
     feet = feet_in_world(robot, base, joints)[..., :2]
-    margin, cop_margin = (
-        support_margins(feet - point[:, None], stance, np.zeros((1, 2)))[:, 0] for point in (zmp, cop)
-    )
+    margin, cop_margin = support_margins(feet, stance, np.stack([zmp, cop], axis=1)).T
     return PressurePoints(times, zmp, com, margin, cop, cop_margin)
 
 

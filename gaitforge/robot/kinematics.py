@@ -7,6 +7,7 @@ limbs and samples, is all the symbolic kinematics there is.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -182,10 +183,15 @@ def evaluate_limb(joints: Array, parameters: Array) -> LimbPoses:
 def evaluate_limbs(robot: RobotModel, joints: Array) -> dict[int, LimbPoses]:
     """Limb index → forward kinematics at (n, n_J) joint positions of the robot; limbs alike are taken together."""
     poses: dict[int, LimbPoses] = {}
-    for members, rows, links in _alike(robot):
-        found = _forward(joints[:, rows].transpose(1, 0, 2), links)
+    for members, _, found in evaluate_alike(robot, joints):
         poses |= {i: LimbPoses(*(part[k] for part in found)) for k, i in enumerate(members)}
     return {i: poses[i] for i in range(len(robot.limbs))}
+
+
+def evaluate_alike(robot: RobotModel, joints: Array) -> Iterator[tuple[list[int], NDArray[np.intp], LimbPoses]]:
+    """Limbs with equally many joints, their joints among all (L, n_joints), and their poses, with L in front."""
+    for members, rows, links in _alike(robot):
+        yield members, rows, LimbPoses(*_forward(joints[:, rows].transpose(1, 0, 2), links))
 
 
 class _Links(NamedTuple):

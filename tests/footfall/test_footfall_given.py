@@ -130,6 +130,14 @@ def test_margins_are_distances_to_the_edge_of_the_convex_hull(seed, feet):
             assert -distance - 1e-9 <= margin <= 1e-9
 
 
+def test_every_polygon_may_have_points_of_its_own():
+    rng = np.random.default_rng(3)
+    places, points = rng.uniform(-0.4, 0.4, (5, 6, 2)), rng.uniform(-0.2, 0.2, (5, 4, 2))
+    stance = rng.random((5, 6)) < 0.7
+    one_by_one = [support_margins(places[k : k + 1], stance[k : k + 1], points[k])[0] for k in range(5)]
+    assert support_margins(places, stance, points) == pytest.approx(np.array(one_by_one))
+
+
 def test_two_feet_or_fewer_support_nothing():
     places, point = np.array([[0.1, 0.0], [-0.1, 0.0], [0.0, 0.2]]), np.zeros((1, 2))
     two, one = np.array([True, True, False]), np.array([True, False, False])

@@ -153,3 +153,14 @@ def test_close_pairs_are_all_pairs_of_different_limbs_within_the_margin(hexapod:
     assert found.keys() == expected.keys()
     for key, gap in expected.items():
         assert found[key] == pytest.approx(gap, abs=1e-6)
+
+
+def test_clearances_that_a_finer_grid_inherits_spare_it_the_search_for_them(hexapod: RobotModel) -> None:
+    """Five limbs in 3 s: long steps, for which both a finer grid and clearances are needed."""
+    pattern = gf.synthesize_gait_pattern(hexapod, locomotive=["L2", "L3", "R1", "R2", "R3"])
+    plan = gf.plan_gait(hexapod, pattern, speed=0.1, duration=3.0, options=PATIENT)
+    log = plan.report.details["refined"]
+    grown = next(i for i, entry in enumerate(log) if i and entry["variables"] > log[i - 1]["variables"])
+    assert "clearance" in log[grown]["for"]
+    assert plan.relaxed == ()
+    assert plan.report.details["refinements"] <= 4

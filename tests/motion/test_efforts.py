@@ -16,7 +16,7 @@ from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.strength import _too_weak, refuse_weak_modules
 from gaitforge.motion.trajectory import Discretisation
-from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
+from gaitforge.robot.kinematics import LimbPoses, evaluate_limb, limb_parameters
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import PATIENT, TRIPOD
 
@@ -110,8 +110,10 @@ def strongest_by_brute_force(robot: RobotModel, limb: str, share: float, count: 
     height = robot.nominal.body_height
     stands = np.abs(radius - foot[:, 2] - height) <= bounded(share).height_range
     level = np.zeros((int(stands.sum()), 3))
+    poses = LimbPoses(*(part[None] for part in evaluate_limb(joints[stands], geometry)))
     weightless, one = (
-        quasi_static_torques(joints[stands], geometry, level, radius, np.full(len(level), f)) for f in (0.0, 1.0)
+        quasi_static_torques(poses, geometry[None], level, np.array([radius]), np.full((1, len(level)), f))[0]
+        for f in (0.0, 1.0)
     )
     limits = share * robot.effort[rows]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -9,7 +9,6 @@ import pytest
 
 import gaitforge as gf
 from gaitforge.errors import UnsolvedError
-from gaitforge.motion.elastic import least_violation
 from gaitforge.motion.problem import Problem, kernel
 from gaitforge.motion.solvers.structured import Structured
 from gaitforge.robot.model import RobotModel
@@ -36,7 +35,7 @@ def test_rows_that_clash_are_found_with_the_amount_that_is_missing() -> None:
     one = kernel("explained_one", 1, 0, lambda v, p: v[0])
     for row, variable in ((lower, x[0]), (upper, x[0]), (equal, x[1])):
         problem.add_term("row", one, [[variable]], np.zeros(0), row)
-    _, found = least_violation(problem)
+    found = Structured().nearest(problem).violations or ()
     assert [(v.family, v.label, v.unit) for v in found] == [("at_least", ("L1", 4), "rad")]
     assert found[0].amount == pytest.approx(2.0, abs=1e-2)
 
@@ -90,7 +89,8 @@ def test_every_cause_stands_in_the_message_and_goes_into_json(hexapod: RobotMode
         assert cause["limb"] == "" or set(cause["limb"].split("+")) <= set(hexapod.limb_names)
 
 
-def test_nothing_is_looked_for_when_no_explanation_is_asked_for(hexapod: RobotModel) -> None:
+def test_nothing_is_probed_when_no_explanation_is_asked_for(hexapod: RobotModel) -> None:
     with pytest.raises(UnsolvedError) as caught:
         gf.plan_gait(hexapod, TRIPOD, speed=0.4, options=replace(BRIEF, explain=False))
-    assert "causes" not in caught.value.explain
+    assert caught.value.explain["causes"]
+    assert "probed" not in caught.value.explain

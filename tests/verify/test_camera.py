@@ -13,8 +13,11 @@ from walkers import HEIGHT, OPTICAL, posture, stand_plan, timeline_of, walker
 
 from gaitforge.motion.timeline import Aim, Timeline
 from gaitforge.robot.model import Capsule, RobotModel
+from gaitforge.robot.rotation import matrices
 from gaitforge.task.scene import Scene, SceneObject
 from gaitforge.verify.clips import render_clip
+from gaitforge.verify.execution import planned_rows
+from gaitforge.verify.feedback import AimFeedback
 from gaitforge.verify.mujoco import MujocoSimulator
 from gaitforge.verify.pictures import can_draw, render
 from gaitforge.verify.pointing import pointing_angle
@@ -65,6 +68,44 @@ def test_a_camera_on_its_target_points_well_and_one_beside_it_does_not(seen: See
     aside = AHEAD + 1.5 * np.tan(np.radians(5.0)) * np.array([1.0, 0.0, 0.0])
     assert np.degrees(seen(AHEAD).pointing["camera"].max()) < 0.2
     assert np.degrees(seen(aside).pointing["camera"].max()) == pytest.approx(5.0, abs=0.3)
+
+
+@pytest.mark.parametrize("simulator", [PyBulletSimulator, MujocoSimulator])
+def test_a_camera_that_is_aimed_by_the_measured_pose_finds_a_target_that_the_plan_misses(
+    simulator: type[PyBulletSimulator] | type[MujocoSimulator],
+) -> None:
+    above = AHEAD + 1.5 * np.tan(np.radians(5.0)) * np.array([0.0, 0.0, 1.0])
+    timed = timeline(above, start=0.1, duration=0.5)
+    angles = np.degrees(simulator(aim_feedback_hz=60.0).run(ROBOT, timed, Scene()).pointing["camera"])
+    times = np.arange(len(angles)) * 0.5 / (len(angles) - 1)
+    assert np.nanmax(angles[times < 0.11]) > 4.0
+    assert angles[times > 0.3].max() < 0.1
+
+
+def test_a_body_that_is_turned_is_what_the_camera_is_aimed_from() -> None:
+    """Between two corrections an aimed limb keeps the last one; the joints of others are as planned."""
+    turned = np.array([0.02, -0.01, HEIGHT + 0.005, 0.01, -0.02, 0.08])
+
+    class Measured:
+        def link_pose(self, link: str) -> tuple[np.ndarray, np.ndarray]:
+            assert link == ROBOT.base_link
+            return matrices(turned[3:]), turned[:3]
+
+    timed = timeline(AHEAD)
+    plan = planned_rows(timed, 240.0)
+    feedback = AimFeedback(Measured(), ROBOT, timed, plan, 60.0)
+    rows = np.array([feedback.positions(row) for row in range(5)])
+    limb = ROBOT.joint_indices(ROBOT.limb("R1"))
+    aimed = rows[0, limb]
+    T = (ROBOT.link_pose(CAMERA.link, turned, rows[0]) @ OPTICAL)[None]
+    before = (ROBOT.link_pose(CAMERA.link, turned, plan.joint_positions[0]) @ OPTICAL)[None]
+    assert np.degrees(pointing_angle(before, AHEAD)[0]) > 3.0
+    assert np.degrees(pointing_angle(T, AHEAD)[0]) < 1e-3
+    np.testing.assert_allclose(rows[:, limb], np.tile(aimed, (5, 1)), atol=1e-9)
+    others = np.setdiff1d(np.arange(18), limb)
+    np.testing.assert_array_equal(rows[:, others], plan.joint_positions[:5, others])
+    as_planned = AimFeedback(Measured(), ROBOT, timed, plan, 0.0)
+    np.testing.assert_array_equal(as_planned.positions(3), plan.joint_positions[3])
 
 
 def judged(target: np.ndarray, *objects: SceneObject) -> Verdict:

@@ -12,7 +12,7 @@ from gaitforge.motion.constraints.balance import GRAVITY
 from gaitforge.motion.family import Family
 from gaitforge.motion.problem import Problem, kernel
 from gaitforge.motion.trajectory import Trajectory
-from gaitforge.robot.kinematics import JOINT_PARAMETERS, evaluate_limb, limb_forward, parameter_size, rpy_rotation
+from gaitforge.robot.kinematics import JOINT_PARAMETERS, LimbPoses, limb_forward, parameter_size, rpy_rotation
 from gaitforge.robot.rotation import matrices
 
 
@@ -115,20 +115,25 @@ def limb_torques(joints: Any, geometry: Any, rpy: Any, radius: Any, force: Any, 
 
 
 def quasi_static_torques(
-    joints: NDArray[np.float64],
+    poses: LimbPoses,
     geometry: NDArray[np.float64],
     rpy: NDArray[np.float64],
-    radius: float,
+    radius: NDArray[np.float64],
     force: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """(m, n) [N m]: `limb_torques` of one limb at m configurations: joints (m, n), rpy (m, 3), force (m,)."""
-    poses, up = evaluate_limb(joints, geometry), matrices(rpy)[:, 2]
-    contact, torques = poses.foot - radius * up, np.empty(joints.shape)
-    mass, moment = 0.0, np.zeros((len(joints), 3))
-    for k in reversed(range(joints.shape[1])):
-        p, origin, turn = geometry[JOINT_PARAMETERS * k :], poses.origins[:, k], poses.turns[:, k]
-        mass = mass + p[15]
-        moment = moment + p[15] * origin + turn @ p[16:19]
-        lever = (contact - origin) * force[:, None] - GRAVITY * (moment - mass * origin)
-        torques[:, k] = -np.einsum("mi,mi->m", np.cross(up, turn @ p[12:15]), lever)  # a · (l × u) = (u × a) · l
+    """(L, m, n) [N m]: `limb_torques` of L limbs at m configurations, whose `poses` have L in front.
+
+    `geometry` (L, p), `rpy` of the base (m, 3), `radius` (L,) [m], `force` (L, m) [N].
+    """
+    up, count = matrices(rpy)[:, 2], poses.origins.shape[2]
+    contact, torques = poses.foot - radius[:, None, None] * up, np.empty(poses.origins.shape[:3])
+    mass, moment = np.zeros((len(geometry), 1, 1)), np.zeros_like(contact)
+    for k in reversed(range(count)):
+        p = geometry[:, None, JOINT_PARAMETERS * k : JOINT_PARAMETERS * (k + 1)]  # (L, 1, …)
+        origin, turn = poses.origins[:, :, k], poses.turns[:, :, k]
+        mass = mass + p[..., 15:16]
+        moment = moment + p[..., 15:16] * origin + (turn @ p[..., 16:19, None])[..., 0]
+        lever = (contact - origin) * force[..., None] - GRAVITY * (moment - mass * origin)
+        axis = (turn @ p[..., 12:15, None])[..., 0]
+        torques[:, :, k] = -np.einsum("lmi,lmi->lm", np.cross(up, axis), lever)  # a · (l × u) = (u × a) · l
     return torques

@@ -37,11 +37,15 @@ def factor_of(indices: Ints, indptr: Ints, native: bool) -> Factor:
 
 
 def minimum_degree(indices: Ints, indptr: Ints) -> Ints:
-    """(n,) an ordering with little fill: approximate minimum degree (Amestoy, Davis & Duff 1996) by CasADi."""
+    """(n,) an ordering with little fill: approximate minimum degree (Amestoy, Davis & Duff 1996) by CasADi.
+
+    The diagonal is given whole: the algorithm needs n entries to move things about in, and CasADi's has no others
+    than those of the diagonal, which it drops; without them it writes where it must not.
+    """
     import casadi as ca
 
     size = len(indptr) - 1
-    upper = ca.Sparsity(size, size, indptr.tolist(), indices.tolist())
+    upper = ca.Sparsity(size, size, indptr.tolist(), indices.tolist()).unite(ca.Sparsity.diag(size))
     return np.array(upper.unite(upper.T).amd(), dtype=np.int32)
 
 

@@ -14,9 +14,10 @@ so that steps lead downhill (inertia, Wächter & Biegler 2006).
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,46 +56,58 @@ class Rules:
 
 
 @dataclass
-class Point:
-    """An iterate: variables, slacks and multipliers."""
+class Duals:
+    """Multipliers, and what they push with."""
+
+    z: Array
+    """(sides,) > 0"""
+    y: Array
+    """(equal rows,)"""
+    bounds: Array
+    """(free,) Σ −sign z of the sides of each variable"""
+    rows: Array
+    """(rows,) y, and for rows with room the same as for variables"""
+
+
+@dataclass
+class Primals:
+    """Variables and slacks, and how far they are from feasible."""
 
     x: Array
     """(free,)"""
     t: Array
     """(sides,) > 0"""
-    z: Array
-    """(sides,) > 0"""
-    y: Array
-    """(equal rows,)"""
-
-
-@dataclass
-class Measures:
-    """How far a point is from optimal."""
-
-    stationarity: Array
-    """(free,) ∇L"""
     off: Array
     """(equal rows,) g − b"""
     short: Array
     """(sides,) gap − t"""
     violation: float
     """Largest violation of a row or bound"""
-    dual: float
-    """Largest entry of ∇L, scaled as in IPOPT"""
     infeasibility: float
     """Σ |off| + Σ |short|"""
     cost: float
 
 
 @dataclass
+class Point:
+    """An iterate, at which derivatives were evaluated last."""
+
+    primals: Primals
+    duals: Duals
+    stationarity: Array
+    """(free,) ∇L"""
+    dual: float
+    """Largest entry of ∇L, scaled as in IPOPT"""
+
+
+@dataclass
 class Step:
-    """A Newton direction."""
+    """A Newton direction; slacks and their multipliers are two rows, which have lengths of their own."""
 
     x: Array
-    t: Array
-    z: Array
     y: Array
+    tz: Array
+    """(2, sides)"""
 
 
 class InteriorPoint:
@@ -115,89 +128,86 @@ class InteriorPoint:
     # -- beginning and end -----------------------------------------------------------------
     def begin(self, x: Array, multipliers: Multipliers | None) -> Point:
         """Slacks that are positive wherever x lies; z t = μ, or the multipliers of a similar problem."""
-        with self._timed("evaluate"):
-            _, rows = self.evaluation.values(x)
-        mu = self.rules.initial_barrier
-        y = np.zeros(len(self.sides.equal))
+        self._evaluate(x, np.zeros(self.rows))
+        cost, rows = self.evaluation.cost, self.evaluation.rows
+        mu, gap = self.rules.initial_barrier, self.sides.gap(x, rows)
         if multipliers is None:
-            t = np.maximum(self.sides.gap(x, rows), mu)
-            return Point(x, t, mu / t, y)
-        near = 0.1 * mu
-        t = np.maximum(self.sides.gap(x, rows), near)
-        z = np.maximum(self.sides.from_multipliers(multipliers, self.rows), 0.01 * near / t)
-        known = np.zeros(self.rows)
-        known[: len(multipliers.rows)] = multipliers.rows[: self.rows]
-        return Point(x, t, z, known[self.sides.equal])
+            t = np.maximum(gap, mu)
+            duals = self._duals(mu / t, np.zeros(len(self.sides.equal)))
+        else:
+            near = 0.1 * mu
+            t = np.maximum(gap, near)
+            z = np.maximum(self.sides.from_multipliers(multipliers, self.rows), 0.01 * near / t)
+            known = np.zeros(self.rows)
+            known[: len(multipliers.rows)] = multipliers.rows[: self.rows]
+            duals = self._duals(z, known[self.sides.equal])
+        primals = self._primals(x, t, gap, rows, cost)
+        if duals.rows.any():  # known from before, or of rows with room
+            self._evaluate(x, duals.rows)
+        return self._point(primals, duals)
 
     def multipliers(self, point: Point) -> Multipliers:
         """Net multipliers of rows and of the full variable vector."""
-        force = self.sides.add(-self.sides.sign * point.z)
         bounds = np.zeros(self.structure.size)
-        bounds[self.structure.free] = force[: self.free]
-        return Multipliers(self._row_multipliers(point, force), bounds)
+        bounds[self.structure.free] = point.duals.bounds
+        return Multipliers(point.duals.rows.copy(), bounds)
 
     # -- the iteration -----------------------------------------------------------------------
     def run(self, point: Point) -> tuple[Point, str]:
         """Iterate; status is solved, stalled, singular or iterations."""
-        self._evaluate(point)
         while True:
-            now = self._measure(point)
-            if self._converged(point, now):
+            if self._converged(point):
                 return point, "solved"
-            if self._stalled(now):
+            if self._stalled(point.primals):
                 return point, "stalled"
             if self.iterations == self.rules.max_iterations:
                 return point, "iterations"
-            sigma = point.z / point.t
+            sigma = point.duals.z / point.primals.t
             weights = self.sides.add(sigma)
             if not self._factor(weights):
                 return point, "singular"
-            step, mu = self._direction(point, now, sigma, weights)
-            following = self._search(point, step, now, mu, halvings=0)
+            pinned = np.maximum(weights[self.free :][self.sides.loose], LEAST)
+            newton = partial(self._newton, point, sigma, pinned)
+            step, mu = self._direction(point, newton)
+            following = self._search(point, step, mu, halvings=0)
             if following is None:  # the corrector promised too much
-                self._evaluate(point)
-                plain = self._newton(point, now, sigma, weights, mu - point.z * point.t)
-                following = self._search(point, plain, now, mu, halvings=6)
+                self._evaluate(point.primals.x, point.duals.rows)
+                plain = newton(mu - point.duals.z * point.primals.t)
+                following = self._search(point, plain, mu, halvings=6)
             point = following or point
             self.iterations += 1
 
-    def _evaluate(self, point: Point) -> None:
+    def _evaluate(self, x: Array, multipliers: Array) -> None:
         with self._timed("evaluate"):
-            self.evaluation.derivatives(point.x, self._row_multipliers(point))
+            self.evaluation.derivatives(x, multipliers)
 
-    def _row_multipliers(self, point: Point, force: Array | None = None) -> Array:
-        force = self.sides.add(-self.sides.sign * point.z) if force is None else force
-        rows = force[self.free :].copy()
-        rows[self.sides.equal] = point.y
-        return rows
+    def _duals(self, z: Array, y: Array) -> Duals:
+        force = self.sides.add(-self.sides.sign * z)
+        rows = force[self.free :]
+        rows[self.sides.equal] = y
+        return Duals(z, y, force[: self.free], rows)
 
-    def _measure(self, point: Point) -> Measures:
-        found, sides = self.evaluation, self.sides
-        force = sides.add(-sides.sign * point.z)
-        multipliers = self._row_multipliers(point, force)
-        stationarity = found.gradient + found.transposed @ multipliers + force[: self.free]
-        off = found.rows[sides.equal] - sides.target
-        gap = sides.gap(point.x, found.rows)
-        short = gap - point.t
-        count = max(1, len(point.y) + len(point.z))
-        scale = max(100.0, (np.abs(point.y).sum() + point.z.sum()) / count) / 100.0
-        return Measures(
-            stationarity,
-            off,
-            short,
-            violation=float(max(np.abs(off).max(initial=0.0), (-gap).max(initial=0.0))),
-            dual=float(np.abs(stationarity).max(initial=0.0)) / scale,
-            infeasibility=float(np.abs(off).sum() + np.abs(short).sum()),
-            cost=found.cost,
-        )
+    def _primals(self, x: Array, t: Array, gap: Array, rows: Array, cost: float) -> Primals:
+        off, short = rows[self.sides.equal] - self.sides.target, gap - t
+        wrong = np.abs(off)
+        violation = max(float(wrong.max(initial=0.0)), -float(gap.min(initial=0.0)))
+        return Primals(x, t, off, short, violation, float(wrong.sum() + np.abs(short).sum()), cost)
 
-    def _converged(self, point: Point, now: Measures) -> bool:
-        rules = self.rules
-        gap = float(point.z @ point.t)
-        small = gap < rules.gap * max(abs(self.evaluation.cost), SMALL_COST)
-        return small and now.violation < rules.feasibility and now.dual < rules.tolerance
+    def _point(self, primals: Primals, duals: Duals) -> Point:
+        """With the derivatives that were evaluated last."""
+        found = self.evaluation
+        stationarity = found.gradient + found.transposed @ duals.rows + duals.bounds
+        count = max(1, len(duals.y) + len(duals.z))
+        scale = max(100.0, float(np.abs(duals.y).sum() + duals.z.sum()) / count) / 100.0
+        return Point(primals, duals, stationarity, float(np.abs(stationarity).max(initial=0.0)) / scale)
 
-    def _stalled(self, now: Measures) -> bool:
+    def _converged(self, point: Point) -> bool:
+        rules, primals = self.rules, point.primals
+        gap = float(point.duals.z @ primals.t)
+        small = gap < rules.gap * max(abs(primals.cost), SMALL_COST)
+        return small and primals.violation < rules.feasibility and point.dual < rules.tolerance
+
+    def _stalled(self, now: Primals) -> bool:
         """Has infeasibility not halved for as long as patience lasts?"""
         far = now.violation > FAR * self.rules.feasibility
         self._history.append(now.infeasibility if far else np.inf)
@@ -224,63 +234,65 @@ class InteriorPoint:
             shift = max(1e-2, self.shift / 3.0) if shift == least else 8.0 * shift
         return False
 
-    def _direction(self, point: Point, now: Measures, sigma: Array, weights: Array) -> tuple[Step, float]:
+    def _direction(self, point: Point, newton: Callable[[Array], Step]) -> tuple[Step, float]:
         """Predictor to z t = 0, then the corrected step to the μ that it suggests."""
-        product = point.z * point.t
+        primals = point.primals
+        both = np.stack([primals.t, point.duals.z])
+        product = both[0] * both[1]
         if not len(product):
-            return self._newton(point, now, sigma, weights, product), 0.0
-        ahead = self._newton(point, now, sigma, weights, -product)
-        primal, dual = _longest(point.t, ahead.t, 1.0), _longest(point.z, ahead.z, 1.0)
-        mean = float(product.mean())
-        after = float(((point.t + primal * ahead.t) * (point.z + dual * ahead.z)).mean())
-        residual = max(now.dual, float(np.abs(now.off).max(initial=0.0)), float(np.abs(now.short).max(initial=0.0)))
+            return newton(product), 0.0
+        ahead = newton(-product)
+        t, z = both + _longest(both, ahead.tz, 1.0)[:, None] * ahead.tz
+        mean, after = float(product.mean()), float(t @ z) / len(product)
+        residual = max(point.dual, *(float(np.abs(r).max(initial=0.0)) for r in (primals.off, primals.short)))
         mu = max(min(after / mean, 1.0) ** 3 * mean, min(mean, FLOOR * residual), 1e-10)
-        return self._newton(point, now, sigma, weights, mu - product - ahead.t * ahead.z), mu
+        return newton(mu - product - ahead.tz[0] * ahead.tz[1]), mu
 
-    def _newton(self, point: Point, now: Measures, sigma: Array, weights: Array, change: Array) -> Step:
-        """The step that changes z t by `change` to first order; Δz = change / t − Σ Δt, Δt = sign Δc + short."""
-        sides, free = self.sides, self.free
-        push = change / point.t
-        pull = sides.add(sides.sign * (sigma * now.short - push))
+    def _newton(self, point: Point, sigma: Array, pinned: Array, change: Array) -> Step:
+        """The step that changes z t by `change` to first order; Δz = change / t − Σ Δt, Δt = sign Δc + short.
+
+        `pinned`: Σ of the rows with room.
+        """
+        sides, free, primals = self.sides, self.free, point.primals
+        push = change / primals.t
+        pull = sides.add(sides.sign * (sigma * primals.short - push))
         right = np.empty(self.structure.dimension)
-        right[:free] = -now.stationarity - pull[:free]
+        np.add(point.stationarity, pull[:free], out=right[:free])
         rows = right[free:]
-        rows[sides.equal] = -now.off
-        rows[sides.loose] = -pull[free:][sides.loose] / np.maximum(weights[free:][sides.loose], LEAST)
+        rows[sides.equal] = primals.off
+        rows[sides.loose] = pull[free:][sides.loose] / pinned
         with self._timed("solve"):
-            solved = self.workspace.factor.solve(right)
-        dx = solved[:free]
-        dt = sides.along(dx, self.evaluation.jacobian @ dx) + now.short
-        return Step(dx, dt, push - sigma * dt, solved[free:][sides.equal])
+            solved = self.workspace.factor.solve(np.negative(right, out=right))
+        dx, tz = solved[:free], np.empty((2, len(sigma)))
+        np.add(sides.along(dx, self.evaluation.jacobian @ dx), primals.short, out=tz[0])
+        np.subtract(push, sigma * tz[0], out=tz[1])
+        return Step(dx, solved[free:][sides.equal], tz)
 
-    def _search(self, point: Point, step: Step, now: Measures, mu: float, halvings: int) -> Point | None:
+    def _search(self, point: Point, step: Step, mu: float, halvings: int) -> Point | None:
         """The next point, derivatives evaluated; a search without halvings may fail, another takes its last try."""
-        fraction = max(0.995, 1.0 - mu)
-        length, dual = _longest(point.t, step.t, fraction), _longest(point.z, step.z, fraction)
-        before = now.infeasibility, now.cost - mu * float(np.log(point.t).sum())
-        z = point.z + dual * step.z
+        old, duals = point.primals, point.duals
+        lengths = _longest(np.stack([old.t, duals.z]), step.tz, max(0.995, 1.0 - mu))
+        length, z = float(lengths[0]), duals.z + lengths[1] * step.tz[1]
+        before = old.infeasibility, old.cost - mu * float(np.log(old.t).sum())
         for halving in range(halvings + 1):
-            x, y = point.x + length * step.x, point.y + length * step.y
-            trial = Point(x, point.t + length * step.t, z, y)
+            x, ahead = old.x + length * step.x, self._duals(z, duals.y + length * step.y)
             if halving == 0:  # nearly always taken, so everything is evaluated at once
-                self._evaluate(trial)
+                self._evaluate(x, ahead.rows)
                 cost, rows = self.evaluation.cost, self.evaluation.rows
             else:
                 with self._timed("evaluate"):
                     cost, rows = self.evaluation.values(x)
             gap = self.sides.gap(x, rows)
-            trial.t = np.maximum(trial.t, gap)
-            off = rows[self.sides.equal] - self.sides.target
-            infeasibility = float(np.abs(off).sum() + np.abs(gap - trial.t).sum())
-            if _better(before, (infeasibility, cost - mu * float(np.log(trial.t).sum()))):
+            trial = self._primals(x, np.maximum(old.t + length * step.tz[0], gap), gap, rows, cost)
+            if _better(before, (trial.infeasibility, cost - mu * float(np.log(trial.t).sum()))):
                 break
             length *= 0.5
         else:
             if not halvings:
                 return None
         if halving:
-            self._evaluate(trial)
-        return trial
+            self._evaluate(x, ahead.rows)
+        return self._point(trial, ahead)
 
     @contextmanager
     def _timed(self, what: str) -> Iterator[None]:
@@ -296,7 +308,7 @@ def _better(before: tuple[float, float], after: tuple[float, float]) -> bool:
     return nearer or after[1] <= before[1] - BETTER * before[0] + rounding
 
 
-def _longest(values: Array, change: Array, fraction: float) -> float:
-    """The longest step ≤ 1 that keeps values > 0, short of the boundary by `fraction`."""
-    ratio = np.divide(values, -change, out=np.full_like(values, np.inf), where=change < 0)
-    return float(min(1.0, fraction * ratio.min(initial=np.inf)))
+def _longest(values: Array, change: Array, fraction: float) -> Array:
+    """(2,) the longest steps ≤ 1 that keep each row of values (2, n) > 0, short of the boundary by `fraction`."""
+    fastest = -(change / values).min(axis=1, initial=0.0)
+    return np.asarray(fraction / np.maximum(fastest, fraction))

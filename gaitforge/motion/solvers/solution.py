@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.motion.problem import Problem
+from gaitforge.motion.solvers.elastic import Violation
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,8 @@ class Solution:
     multipliers: Multipliers | None = None
     timings: Mapping[str, float] = field(default_factory=dict)
     """[s of processor] where the time went, by what was done"""
+    violations: Sequence[Violation] | None = None
+    """Of a failure: the rows that the least violated point violates, the worst first; None: not looked for"""
 
 
 Start = Array | Solution | None

@@ -1,4 +1,4 @@
-"""The fast solver: interior points on a structure that is analysed once; IPOPT where it fails."""
+"""The fast solver: interior points on a structure that is analysed once, and a second start where it stalls."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import time
 from dataclasses import dataclass, field, replace
 
 from gaitforge.motion.problem import Problem
+from gaitforge.motion.solvers.elastic import relax
 from gaitforge.motion.solvers.interior_point import InteriorPoint, Rules
 from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import MotionSolver, Solution, Start
 from gaitforge.motion.solvers.workspace import workspace_of
+
+NEAREST = 40
+"""Iterations towards the least violated point: near is near enough, and an infeasible goal is to be answered soon"""
 
 
 @dataclass(frozen=True)
@@ -34,22 +38,39 @@ class Structured:
     """Iterations in which infeasibility has to halve"""
     native: bool = True
     """Use code compiled on this machine where there is a C compiler; slower without, otherwise the same"""
+    restoration: bool = True
+    """After a failure, begin again where the problem is violated least; that point says who is in the way"""
     fallback: MotionSolver | None = field(default_factory=Ipopt)
-    """Asked when this one fails; None: the failure stands"""
+    """Asked when restoration fails although nothing was in the way (at once without it); None: failures stand"""
 
     def solve(self, problem: Problem, start: Start = None) -> Solution:
         """Solve from `start` (the problem's own guess when None)."""
         begin = time.perf_counter()
         found = self._solve(problem, start)
-        if found.solved or self.fallback is None:
-            return found
-        other = self.fallback.solve(problem, start)
-        return replace(
-            other,
-            status=f"{other.status} (structured: {found.status})",
-            iterations=found.iterations + other.iterations,
-            seconds=time.perf_counter() - begin,
-        )
+        if not found.solved and self.restoration:
+            found = self._restored(problem, found)
+        if not found.solved and self.fallback is not None and not found.violations:
+            other = self.fallback.solve(problem, start)
+            status = f"{other.status} (structured: {found.status})"
+            found = replace(other, status=status, iterations=found.iterations + other.iterations)
+        return replace(found, seconds=time.perf_counter() - begin)
+
+    def nearest(self, problem: Problem) -> Solution:
+        """The point that violates the problem least, with `violations`; solved when there are none."""
+        relaxed = relax(problem)
+        easy = replace(self, max_iterations=NEAREST, patience=NEAREST, tolerance=1e-4, gap=1e-3)
+        near = easy._solve(relaxed.problem, None)
+        left = relaxed.violations(near.x)
+        return replace(near, x=near.x[: problem.size], solved=not left, multipliers=None, violations=left)
+
+    def _restored(self, problem: Problem, failed: Solution) -> Solution:
+        """The solution found from the least violated point, or the failure with what is in the way."""
+        near = self.nearest(problem)
+        again = self._solve(problem, near.x)
+        spent = failed.iterations + near.iterations + again.iterations
+        timings = {k: failed.timings[k] + near.timings[k] + again.timings[k] for k in failed.timings}
+        kept = again if again.solved else replace(failed, violations=near.violations)
+        return replace(kept, iterations=spent, timings=timings)
 
     def _solve(self, problem: Problem, start: Start) -> Solution:
         begin, busy = time.perf_counter(), time.process_time()
@@ -61,7 +82,7 @@ class Structured:
         method = InteriorPoint(problem, workspace, self._rules())
         point, status = method.run(method.begin(x[structure.free], known))
         full = problem.bounds[0].copy()  # constants stand at their bounds
-        full[structure.free] = point.x
+        full[structure.free] = point.primals.x
         worst = problem.violations(full, workspace.evaluation.rows)
         timings = {"structure": prepared, **method.timings}
         rest = time.process_time() - busy - sum(timings.values())

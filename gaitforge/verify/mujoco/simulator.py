@@ -13,6 +13,7 @@ from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene
 from gaitforge.verify.assemble import assemble_trace
 from gaitforge.verify.execution import planned_rows, planned_speeds, spawn_pose, tell
+from gaitforge.verify.feedback import AimFeedback
 from gaitforge.verify.mujoco.quiet import complaint, quiet
 from gaitforge.verify.mujoco.recorder import Recorder
 from gaitforge.verify.mujoco.settings import Physics
@@ -45,6 +46,8 @@ class MujocoSimulator:
     """[1/s] share of a joint's error that its servo makes good in a second; PyBullet's 0.3 at 240 Hz"""
     velocity_feedforward: float = 1.0
     """[-] share of the planned joint speed that is commanded ahead"""
+    aim_feedback_hz: float = 0.0
+    """[Hz] how often tool limbs are aimed again from the measured pose of the body; 0: from the planned one, once"""
     friction: float = 1.0
     """[-] coefficient of every pair: a true cone"""
     torsional_friction: float = 0.01
@@ -71,7 +74,14 @@ class MujocoSimulator:
             "contact_depth",
             "impedance_ratio",
         )
-        other = ("velocity_feedforward", "friction", "torsional_friction", "limp_friction", "settle_s")
+        other = (
+            "velocity_feedforward",
+            "friction",
+            "torsional_friction",
+            "limp_friction",
+            "settle_s",
+            "aim_feedback_hz",
+        )
         values = {key: getattr(self, key) for key in (*positive, *other)}
         bad = [Problem("verify", k, repr(values[k]), "a number above 0") for k in positive if not values[k] > 0]
         bad += [Problem("verify", k, repr(values[k]), "a number not below 0") for k in other if not values[k] >= 0]
@@ -88,7 +98,8 @@ class MujocoSimulator:
             world = build_world(robot, scene, self.physics())
             self._settle(world, robot, plan)
             recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
-            self._walk(world, robot, plan, recorder, sight, progress)
+            feedback = AimFeedback(world, robot, timeline, plan, self.aim_feedback_hz)
+            self._walk(world, robot, plan, recorder, sight, feedback, progress)
         return assemble_trace(recorder.recording(plan.times, sight.free), plan, robot, timeline, scene)
 
     def physics(self) -> Physics:
@@ -120,6 +131,7 @@ class MujocoSimulator:
         plan: TimelineSamples,
         recorder: Recorder,
         sight: SightLines,
+        feedback: AimFeedback,
         progress: Progress | None,
     ) -> None:
         """The loop; row k is the state at times[k], the step after it is commanded by row k of the plan."""
@@ -129,7 +141,7 @@ class MujocoSimulator:
         for row in range(rows):
             mj.mj_step1(model, data)
             sight.look(row)
-            self._command(world, robot, plan.joint_positions[row], speeds[row], plan.efforts[row])
+            self._command(world, robot, feedback.positions(row), speeds[row], plan.efforts[row])
             mj.mj_step2(model, data)
             recorder.step(row)
             recorder.state(row + 1)

@@ -14,6 +14,7 @@ from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene
 from gaitforge.verify.assemble import assemble_trace
 from gaitforge.verify.execution import planned_rows, planned_speeds, spawn_pose, tell
+from gaitforge.verify.feedback import AimFeedback
 from gaitforge.verify.pybullet.camera import camera_picture
 from gaitforge.verify.pybullet.client import direct_client
 from gaitforge.verify.pybullet.recorder import Recorder
@@ -23,7 +24,8 @@ from gaitforge.verify.simulator import Progress
 from gaitforge.verify.trace import Trace
 
 Array = NDArray[np.float64]
-CONE_ITERATIONS, CONE_RESIDUAL = 1000, 1e-7
+CONE_ITERATIONS, CONE_RESIDUAL = 1000, 5e-4
+"""Of a step in a grasp: 2.2 mm of slip instead of the 1.9 of all 1000 iterations, in half the time"""
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,8 @@ class PyBulletSimulator:
     """[-] share of a joint's error that the servo makes good in one step"""
     velocity_feedforward: float = 1.0
     """[-] share of the planned joint speed that is commanded ahead"""
+    aim_feedback_hz: float = 0.0
+    """[Hz] how often tool limbs are aimed again from the measured pose of the body; 0: from the planned one, once"""
     friction: float = 1.0
     """[-] coefficient of a pair, robot and ground or robot and object"""
     friction_cone: bool = False
@@ -70,7 +74,15 @@ class PyBulletSimulator:
         bad = [Problem("verify", k, repr(v), "a number above 0") for k, v in positive.items() if not v > 0]
         other = {
             k: getattr(self, k)
-            for k in ("velocity_feedforward", "friction", "limp_friction", "settle_s", "camera_hz", "solver_residual")
+            for k in (
+                "solver_residual",
+                "velocity_feedforward",
+                "friction",
+                "limp_friction",
+                "settle_s",
+                "camera_hz",
+                "aim_feedback_hz",
+            )
         }
         bad += [Problem("verify", k, repr(v), "a number not below 0") for k, v in other.items() if not v >= 0]
         if len(self.camera_size) != 2 or min(self.camera_size) < 1:
@@ -111,7 +123,8 @@ class PyBulletSimulator:
             world = build_world(p, client, robot, scene, self.pair_friction)
             self._settle(world, robot, plan)
             recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
-            images = self._walk(world, robot, plan, recorder, sight, progress)
+            feedback = AimFeedback(world, robot, timeline, plan, self.aim_feedback_hz)
+            images = self._walk(world, robot, plan, recorder, sight, feedback, progress)
             recording = recorder.recording(plan.times, sight.free, images)
         return assemble_trace(recording, plan, robot, timeline, scene)
 
@@ -130,6 +143,7 @@ class PyBulletSimulator:
         plan: TimelineSamples,
         recorder: Recorder,
         sight: SightLines,
+        feedback: AimFeedback,
         progress: Progress | None,
     ) -> list[tuple[float, bytes]]:
         """The loop; row k is the state at times[k], the step after it is commanded by row k of the plan."""
@@ -146,7 +160,7 @@ class PyBulletSimulator:
                 )
                 due += 1.0 / self.camera_hz
             ahead = self.velocity_feedforward * speeds[row]
-            self._command(world, robot, plan.joint_positions[row], ahead, plan.efforts[row])
+            self._command(world, robot, feedback.positions(row), ahead, plan.efforts[row])
             world.p.stepSimulation(physicsClientId=world.client)
             recorder.contacts(row)
             recorder.state(row + 1)

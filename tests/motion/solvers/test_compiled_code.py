@@ -89,6 +89,13 @@ def test_a_zero_pivot_is_a_failure_and_not_a_number() -> None:
     assert factor.factor(np.array([1.0, 2.0, 1.0])) == 1
 
 
+def test_minimum_degree_orders_every_column_whether_or_not_its_diagonal_is_stored() -> None:
+    for seed in range(20):
+        upper = sparse.triu(random_kkt(seed, 60, 20), k=seed % 2, format="csc")
+        order = minimum_degree(upper.indices, upper.indptr)
+        assert sorted(order.tolist()) == list(range(80))
+
+
 @needs_compiler
 @pytest.mark.parametrize("seed", range(6))
 def test_supernodes_store_every_entry_of_the_factor_once(seed: int) -> None:

@@ -15,7 +15,7 @@ from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import Solution
 from gaitforge.motion.solvers.structured import Structured
 
-ALONE = Structured(fallback=None, residual=1e-9, gap=1e-6)
+ALONE = Structured(restoration=False, fallback=None, residual=1e-9, gap=1e-6)
 INF = np.inf
 
 
@@ -180,18 +180,27 @@ class Recorder:
 
 def test_the_fallback_is_asked_after_a_failure_only() -> None:
     recorder = Recorder()
-    solver = Structured(fallback=recorder)
+    solver = Structured(restoration=False, fallback=recorder)
     assert solver.solve(PUBLISHED["71"].problem("71")).solved
     assert recorder.asked == 0
     failed = solver.solve(impossible())
     assert recorder.asked == 1
     assert not failed.solved
     assert "structured: " in failed.status
-    tired = Structured(max_iterations=2, fallback=recorder).solve(PUBLISHED["71"].problem("71"))
+    tired = Structured(max_iterations=2, restoration=False, fallback=recorder).solve(PUBLISHED["71"].problem("71"))
     assert recorder.asked == 2
     assert tired.solved
     assert tired.cost == pytest.approx(17.0140173, rel=1e-6)
     assert tired.iterations > 2
+
+
+def test_a_problem_without_a_feasible_point_says_what_is_in_the_way_and_the_fallback_is_not_asked() -> None:
+    recorder = Recorder()
+    failed = Structured(fallback=recorder).solve(impossible())
+    assert not failed.solved
+    assert recorder.asked == 0
+    assert [(v.family, v.label) for v in failed.violations or ()] == [("square", "everywhere")]
+    assert abs((failed.violations or ())[0].amount) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_a_fixed_variable_stays_at_its_bound() -> None:

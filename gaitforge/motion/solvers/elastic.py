@@ -3,7 +3,7 @@
     minimise f(x) + Σ ρ (s⁺ + s⁻)   subject to   l ≤ c(x) + s⁺ − s⁻ ≤ u,   s⁺, s⁻ ≥ 0
 
 An ℓ₁ price leaves few rows violated (Chinneck & Dravnieks 1991; the elastic mode of SNOPT): those that
-are in the way of all others.
+are in the way of all others.  Where none is left, the point is a start from which the problem is solved.
 """
 
 from __future__ import annotations
@@ -15,15 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.motion.problem import Problem, Rows, kernel
-from gaitforge.motion.solvers.solution import Solution
-from gaitforge.motion.solvers.structured import Structured
 
 Array = NDArray[np.float64]
 DEFINITIONS = ("center_of_mass",)
 """Rows that define a variable rather than ask for something"""
 PRICE = {"m": 1e3, "rad": 2e2, "m²": 5e3, "1": 2e2}
 """ρ per unit: about one for what is noticed, a millimetre or a third of a degree"""
-SOLVER = Structured(max_iterations=80, tolerance=1e-4, gap=1e-3, patience=40, fallback=None)
+NOTICED = 0.3
+"""Price from which on a violation is told"""
 
 
 @dataclass(frozen=True)
@@ -39,21 +38,30 @@ class Violation:
     unit: str
 
 
-def least_violation(problem: Problem, solver: Structured = SOLVER) -> tuple[Solution, list[Violation]]:
-    """The elastic problem's solution, and the rows that it still violates, the worst priced first."""
-    relaxed, slack, blocks = _elastic(problem)
-    solution = solver.solve(relaxed)
-    pulled = solution.x[slack]
-    amounts = pulled[:, 0] - pulled[:, 1]
-    found, at = [], 0
-    for block in blocks:
-        count = len(block.lower)
-        for row in np.flatnonzero(np.abs(amounts[at : at + count]) * _price(block) > 0.3):
-            label, amount = block.labels[row], float(amounts[at + row])
-            found.append((Violation(block.family, label, _component(block, int(row)), amount, block.unit), block))
-        at += count
-    found.sort(key=lambda item: -abs(item[0].amount) * _price(item[1]))
-    return solution, [violation for violation, _ in found]
+@dataclass(frozen=True, eq=False)
+class Elastic:
+    """A problem whose rows may be violated, at a price."""
+
+    problem: Problem
+    """Variables of the original problem first, slacks after them"""
+    slack: NDArray[np.intp]
+    """(rows, 2) indices of s⁺, s⁻"""
+    blocks: list[Rows]
+    """The original rows, in the order of `slack`"""
+
+    def violations(self, x: Array) -> list[Violation]:
+        """The rows that a point of the relaxed problem still violates, the worst priced first."""
+        pulled = x[self.slack]
+        amounts = pulled[:, 0] - pulled[:, 1]
+        found, at = [], 0
+        for block in self.blocks:
+            count = len(block.lower)
+            for row in np.flatnonzero(np.abs(amounts[at : at + count]) * _price(block) > NOTICED):
+                label, amount = block.labels[row], float(amounts[at + row])
+                violation = Violation(block.family, label, _component(block, int(row)), amount, block.unit)
+                found.append((violation, _price(block) * abs(amount)))
+            at += count
+        return [violation for violation, _ in sorted(found, key=lambda item: -item[1])]
 
 
 def _price(block: Rows) -> float:
@@ -68,8 +76,8 @@ def _component(block: Rows, row: int) -> int:
     return row - first
 
 
-def _elastic(problem: Problem) -> tuple[Problem, NDArray[np.intp], list[Rows]]:
-    """The relaxed problem, (rows, 2) its slacks, and the blocks that they belong to, in this order."""
+def relax(problem: Problem) -> Elastic:
+    """The relaxed problem; its slacks begin at what the starting point lacks."""
     relaxed = replace(
         problem, guess=list(problem.guess), lower=list(problem.lower), upper=list(problem.upper),
         rows=list(problem.rows), terms=list(problem.terms),
@@ -82,7 +90,7 @@ def _elastic(problem: Problem) -> tuple[Problem, NDArray[np.intp], list[Rows]]:
     slack = relaxed.add_variables(start, 0.0, np.inf)
     relaxed.add_term("elastic", kernel("elastic", 2, 0, lambda v, p: v[0] - v[1]), slack, np.zeros(0), rows[:, None])
     relaxed.add_term("elastic", kernel("elastic_price", 2, 1, lambda v, p: p[0] * (v[0] + v[1])), slack, price[:, None])
-    return relaxed, slack, blocks
+    return Elastic(relaxed, slack, blocks)
 
 
 def _shortfall(problem: Problem, blocks: list[Rows]) -> Array:
