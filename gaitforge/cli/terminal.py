@@ -43,13 +43,15 @@ class Narrator:
 
 def summary_text(outcome: RunOutcome) -> str:
     """The closing summary: segments with planned and measured speeds, verdict, files, how to open the log."""
-    from gaitforge.report.text import checks_text, opinions_text, problem_text, segments_text
+    from gaitforge.report.text import checks_text, ignored_text, opinions_text, problem_text, segments_text
 
     summary = outcome.summary
     parts = [segments_text(summary)] if summary["segments"] else []
     parts.append(_verdict(outcome))
     if summary["opinions"]:
         parts.append(opinions_text(summary))
+    if summary["ignored_contacts"]:
+        parts.append(ignored_text(summary))
     if any(not check["passed"] for check in summary["checks"]):
         parts.append(checks_text(summary, failed_only=True))
     problems = [s for s in summary["segments"] if s.get("problem")]

@@ -10,12 +10,14 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.robot.kinematics import LimbPoses
+from gaitforge.robot.kinematics import LimbPoses, evaluate_limbs
 from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 BASE = -1
+JOINED_M = 0.005
+"""[m] first bodies of two limbs that are nearer than this in the nominal posture are housings beside each other"""
 CROSSED = 0.3
 """Axes nearer to each other than this share of the radii cross: they have no side on which they could part"""
 
@@ -51,6 +53,7 @@ class Closest(NamedTuple):
 
 
 _known: WeakKeyDictionary[RobotModel, tuple[LimbCapsule, ...]] = WeakKeyDictionary()
+_housings: WeakKeyDictionary[RobotModel, frozenset[tuple[LimbCapsule, LimbCapsule]]] = WeakKeyDictionary()
 
 
 def limb_capsules(robot: RobotModel) -> tuple[LimbCapsule, ...]:
@@ -154,6 +157,15 @@ def closest_pairs(
         _closest(capsules[first[p]], capsules[second[p]], share[p, at], worst, at_sample, sample, poses)
         for p, sample, at, worst, at_sample in hits(gap, margin, per_interval)
     ]
+
+
+def housings(robot: RobotModel) -> frozenset[tuple[LimbCapsule, LimbCapsule]]:
+    """Pairs of first bodies of two limbs that meet where the robot stands: hips side by side, drawn wide."""
+    if robot not in _housings:
+        poses = evaluate_limbs(robot, np.array(robot.nominal.posture, dtype=float)[None])
+        met = closest_pairs(limb_capsules(robot), poses, JOINED_M)
+        _housings[robot] = frozenset((c.first, c.second) for c in met if c.first.joint == c.second.joint == 0)
+    return _housings[robot]
 
 
 def hits(gap: Array, margin: float, per_interval: int) -> list[tuple[int, int, int, float, float]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.bodies import Closest, closest_pairs, limb_capsules
+from gaitforge.motion.bodies import Closest, closest_pairs, housings, limb_capsules
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.trunk import closest_to_trunk, trunk_height
 from gaitforge.robot.kinematics import LimbPoses, evaluate_limbs
@@ -67,7 +67,9 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
     poses = evaluate_limbs(robot, joints)
     held = np.repeat(plan.pattern.contact.T, plan.samples_per_column * per_interval, axis=0)
     deep, lift, slip, clear = _feet(robot, poses, base, held, plan.pattern.cyclic)
-    close = closest_pairs(limb_capsules(robot), poses, margin, per_interval)
+    beside = housings(robot)
+    near = closest_pairs(limb_capsules(robot), poses, margin, per_interval)
+    close = [c for c in near if (c.first, c.second) not in beside]
     close += closest_to_trunk(robot, poses, margin, per_interval)
     return DenseReport(
         speed_ratio=np.abs(rates).max(axis=0) / robot.velocity,

@@ -109,6 +109,7 @@ def _finish(
             checks=verdict.checks if verdict else (),
             timings=watch.timings(),
             opinions=opinions(verdict) if verdict else None,
+            ignored_contacts=verdict.ignored_contacts if verdict else None,
             explain=getattr(error, "explain", None),
             error=_error_entry(error) if status == "error" else None,
         )

@@ -29,6 +29,7 @@ def build_summary(
     checks: Iterable[Check] = (),
     timings: Mapping[str, float] | None = None,
     opinions: Mapping[str, Any] | None = None,
+    ignored_contacts: Mapping[str, Any] | None = None,
     explain: Mapping[str, Any] | None = None,
     error: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
@@ -42,6 +43,8 @@ def build_summary(
         [s] by stage; stages that were not reached are 0.
     opinions
         What `gaitforge.verify.agreement.opinions` gave.
+    ignored_contacts
+        `Verdict.ignored_contacts`.
     error
         `GaitforgeError.as_dict()` of what ended the run.
 
@@ -64,6 +67,7 @@ def build_summary(
         "checks": [check_entry(check) for check in checks],
         "timings_s": {stage: round(float((timings or {}).get(stage, 0.0)), 4) for stage in STAGES},
         "opinions": dict(opinions) if opinions else None,
+        "ignored_contacts": dict(ignored_contacts or {}),
         "explain": dict(explain) if explain else None,
         "error": {key: error.get(key) for key in ERROR_KEYS} if error else None,
     }

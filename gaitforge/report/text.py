@@ -86,6 +86,15 @@ def opinions_text(summary: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def ignored_text(summary: Mapping[str, Any]) -> str:
+    """Which links were let through each other, one line a simulator; empty when none were."""
+    return "\n".join(
+        f"{simulator}: contacts ignored of links that overlap in the nominal posture: "
+        + ", ".join(" and ".join(pair) for pair in pairs)
+        for simulator, pairs in summary["ignored_contacts"].items()
+    )
+
+
 def problem_text(rows: Sequence[Mapping[str, Any]]) -> str:
     """What a motion problem consisted of, by family."""
     header = ("family", "kind", "rows", "variables", "instances", "at a bound [%]", "cost", "enforced")

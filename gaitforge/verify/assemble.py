@@ -67,4 +67,5 @@ def assemble_trace(
         ),
         images=recording.images,
         objects=recording.objects,
+        overlapping=recording.overlapping,
     )

@@ -61,3 +61,5 @@ class Recording:
     images: tuple[tuple[float, bytes], ...] = ()
     objects: dict[str, Array] = field(default_factory=dict)
     """name of a movable object of the scene → (n, 7) its pose in the world: x, y, z [m], quaternion x, y, z, w"""
+    overlapping: tuple[tuple[str, str], ...] = ()
+    """Links whose shapes overlap where the robot stands by its nominal posture: their contacts are ignored"""

@@ -68,3 +68,5 @@ class Trace:
     """(time [s], PNG) of the camera at `camera_hz`, when asked for"""
     objects: dict[str, Array] = field(default_factory=dict)
     """name of a movable object of the scene → (n, 7) its pose in the world: x, y, z [m], quaternion x, y, z, w"""
+    overlapping: tuple[tuple[str, str], ...] = ()
+    """Links whose shapes overlap in the nominal posture, as many files draw them: their contacts are ignored"""

@@ -44,6 +44,12 @@ class Verdict:
         return self.simulator, *(other.simulator for other in self.others)
 
     @property
+    def ignored_contacts(self) -> dict[str, list[list[str]]]:
+        """simulator → pairs of links whose shapes overlap in the nominal posture; only simulators that found some."""
+        found = {v.simulator: [list(pair) for pair in v.trace.overlapping] for v in (self, *self.others)}
+        return {simulator: pairs for simulator, pairs in found.items() if pairs}
+
+    @property
     def passed(self) -> bool:
         """Verified, by every simulator that was asked?"""
         return all(c.passed for c in self.checks)

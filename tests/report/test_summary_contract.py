@@ -14,7 +14,7 @@ import pytest
 
 from gaitforge.errors import InfeasibleFootfall, InputError, Problem
 from gaitforge.report.summary import build_summary, segment_entries, segment_entry, write_summary
-from gaitforge.report.text import checks_text, opinions_text
+from gaitforge.report.text import checks_text, ignored_text, opinions_text
 from gaitforge.verify.agreement import opinions
 
 SCHEMA = json.loads((Path(__file__).parents[1] / "contracts" / "summary.schema.json").read_text())
@@ -75,6 +75,15 @@ def test_numbers_that_are_not_finite_are_null(verdict):
     summary = check(finished(verdict, segments=[segment_entry(verdict.timeline.entries[1].plan, math.nan)]))
     assert summary["segments"][0]["speed_measured_m_s"] is None
     assert summary["checks"][2]["value"] is None
+
+
+def test_links_that_were_let_through_each_other_are_told(verdict):
+    trace = replace(verdict.trace, overlapping=(("base", "thigh"), ("base", "hip")))
+    found = replace(verdict, trace=trace)
+    summary = check(finished(found, ignored_contacts=found.ignored_contacts))
+    assert summary["ignored_contacts"] == {"pybullet": [["base", "thigh"], ["base", "hip"]]}
+    assert ignored_text(summary).endswith("base and thigh, base and hip")
+    assert ignored_text(check(finished(verdict))) == ""
 
 
 def test_an_infeasible_run_explains_itself(verdict):

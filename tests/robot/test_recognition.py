@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-from importlib.metadata import files
 from pathlib import Path
 
 import numpy as np
@@ -12,22 +10,7 @@ from kit import problems
 
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.model import RobotModel
-
-
-def bullet(name: str) -> Path:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import pybullet_data
-    return Path(pybullet_data.getDataPath()) / name
-
-
-def example(name: str) -> Path:
-    """A URDF of the example-robot-data wheel, wherever that put it."""
-    for file in files("example-robot-data") or ():
-        if str(file).endswith(f"robots/{name}"):
-            return Path(str(file.locate())).resolve()
-    raise FileNotFoundError(name)
-
+from tests.wheels import bullet, example
 
 # file, leg joints, link of L1's foot, radius of its sphere [m] (as the file has it)
 ROBOTS = {

@@ -26,8 +26,8 @@ class Evaluation:
     def __init__(self, structure: Structure, native: bool = True) -> None:
         self.structure = structure
         values, jacobians, hessians = structure.sizes
-        self._values = np.zeros(values)
-        self._derivatives = np.zeros(hessians + jacobians)
+        self._raw = np.zeros(values + hessians + jacobians)
+        raw_values, derivatives = self._raw[:values], self._raw[values:]
         self._full = np.zeros(structure.size)
         # all that kernels read, gathered at once: variables, and multipliers with a last one of 1 for costs
         self._multipliers = np.ones(structure.row_count + 1)
@@ -42,13 +42,12 @@ class Evaluation:
             nonzeros = [len(group.kernel.jacobian_rc[0]), len(group.kernel.hessian_rc[0])]
             ends = [a + n * each for a, each in zip(at, (nv, nr, nr, *nonzeros), strict=True)]
             v, m, r, j, h = (slice(*ends_of) for ends_of in zip(at, ends, strict=True))
-            out = (self._values[r], self._derivatives[j], self._derivatives[h])
+            out = (raw_values[r], derivatives[j], derivatives[h])
             read = (self._v[v].reshape(n, nv), self._m[m].reshape(n, nr))
             self._calls.append(_Call(group, read, out, native))
             at = ends
         where, indices, indptr = structure.jacobian
         self._where = where
-        self._jacobian_raw = self._derivatives[hessians:]
         count = len(structure.free)
         self.jacobian = sparse.csr_matrix((np.zeros(len(where)), indices, indptr), shape=(structure.row_count, count))
         self.transposed = self.jacobian.T
@@ -72,7 +71,8 @@ class Evaluation:
         self._full.take(self._places, out=self._v)
         for call in self._calls:
             call.value()
-        return float(self._values[self.structure.costs].sum()), self.structure.to_rows @ self._values
+        cost, rows, _, _ = self._gathered()
+        return cost, rows
 
     def derivatives(self, x: Array, multipliers: Array) -> None:
         """Everything at (free,) x with (rows,) multipliers y."""
@@ -82,11 +82,13 @@ class Evaluation:
         self._multipliers.take(self._weights, out=self._m)
         for call in self._calls:
             call.whole()
-        self.cost = float(self._values[self.structure.costs].sum())
-        self.rows = self.structure.to_rows @ self._values
-        self.gradient = self.structure.to_gradient @ self._jacobian_raw
-        self.kkt = self.structure.to_kkt @ self._derivatives
-        self.jacobian.data[:] = self.kkt[self._where]
+        self.cost, self.rows, self.gradient, self.kkt = self._gathered()
+        self.kkt.take(self._where, out=self.jacobian.data)
+
+    def _gathered(self) -> tuple[float, Array, Array, Array]:
+        """Cost, rows, gradient and nonzeros of K from what the kernels gave last."""
+        found, rows, dimension = self.structure.gather @ self._raw, self.structure.row_count, self.structure.dimension
+        return float(found[0]), found[1 : 1 + rows], found[1 + rows : 1 + dimension], found[1 + dimension :]
 
 
 def _rows_of(group: Group, none: int) -> Index:

@@ -49,14 +49,9 @@ class Structure:
     free: Index
     """Free variables, as indices into the full vector"""
     groups: tuple[Group, ...]
-    to_rows: Any
-    """(rows, raw values): sums the kernels' values into the rows"""
-    to_gradient: Any
-    """(free, raw first derivatives) of the costs"""
-    to_kkt: Any
-    """(nonzeros of K, raw derivatives): raw Hessians first, raw Jacobians after them"""
-    costs: Any
-    """(raw values,) True where a raw value is a cost"""
+    gather: Any
+    """(1 + rows + free + nonzeros of K, raw values, Hessians and Jacobians): sums what the kernels give into the cost,
+    the rows, the gradient of the cost and the matrix"""
     pattern: tuple[NDArray[np.int32], NDArray[np.int32]]
     """(indices, indptr) of the upper triangle of K by columns"""
     diagonal: Index
@@ -105,7 +100,7 @@ def analyse(problem: Problem) -> Structure:
     position[free] = np.arange(len(free))
     groups, count = _grouped(problem.terms), len(free)
     hessian, jacobian = _Triplets(), _Triplets()
-    values, gradient, costs = _Triplets(), _Triplets(), []
+    values, gradient = _Triplets(), _Triplets()
     for group in groups:
         a, b = group.kernel.hessian_rc
         first, second = position[group.variables[:, a]].ravel(), position[group.variables[:, b]].ravel()
@@ -115,23 +110,27 @@ def analyse(problem: Problem) -> Structure:
         hessian.add(np.where(outside, -1, np.minimum(first, second)), np.maximum(first, second), twice)
         local_rows, local_columns = group.kernel.jacobian_rc
         columns = position[group.variables[:, local_columns]].ravel()
-        results = len(group.variables) * group.kernel.sizes[2]
-        costs.append(np.full(results, group.rows is None))
+        nowhere = np.full(len(columns), -1)
         if group.rows is None:
-            gradient.add(columns, columns)
-            jacobian.add(np.full(len(columns), -1), columns)
-            values.add(np.full(results, -1), np.full(results, -1))
+            values.add(np.zeros(len(group.variables) * group.kernel.sizes[2], dtype=np.intp))
+            gradient.add(np.where(columns < 0, -1, 1 + problem.row_count + columns))
+            jacobian.add(nowhere, columns)
         else:
-            gradient.add(np.full(len(columns), -1), columns)
+            values.add(1 + group.rows.ravel())
+            gradient.add(nowhere)
             jacobian.add(columns, np.where(columns < 0, -1, count + group.rows[:, local_rows].ravel()))
-            values.add(group.rows.ravel(), group.rows.ravel())
     dimension = count + problem.row_count
     diagonal = np.arange(dimension)
     rows, columns, weights, source = _join(hessian, jacobian)
     cells = np.concatenate([columns * dimension + rows, diagonal * (dimension + 1)])
     unique, inverse = np.unique(cells, return_inverse=True)
-    raw = sum(hessian.lengths) + sum(jacobian.lengths)
-    to_kkt = sparse.csr_matrix((weights, (inverse[: len(rows)], source)), shape=(len(unique), raw))
+    sizes = sum(values.lengths), sum(jacobian.lengths), sum(hessian.lengths)
+    first = gradient.joined()[0]
+    slopes = np.flatnonzero(first >= 0)
+    targets = np.concatenate([values.joined()[0], first[slopes], 1 + dimension + inverse[: len(rows)]])
+    sources = np.concatenate([np.arange(sizes[0]), sizes[0] + sizes[2] + slopes, sizes[0] + source])
+    factors = np.concatenate([np.ones(sizes[0] + len(slopes)), weights])
+    gather = sparse.csr_matrix((factors, (targets, sources)), shape=(1 + dimension + len(unique), sum(sizes)))
     indices, owner = unique % dimension, unique // dimension
     indptr = np.searchsorted(owner, np.arange(dimension + 1))
     entry = np.flatnonzero((owner >= count) & (indices < count))
@@ -140,14 +139,11 @@ def analyse(problem: Problem) -> Structure:
         row_count=problem.row_count,
         free=free,
         groups=groups,
-        to_rows=values.matrix(problem.row_count),
-        to_gradient=gradient.matrix(count),
-        to_kkt=to_kkt,
-        costs=np.concatenate([np.zeros(0, dtype=bool), *costs]),
+        gather=gather,
         pattern=(indices.astype(np.int32), indptr.astype(np.int32)),
         diagonal=inverse[len(rows) :],
         jacobian=(entry, indices[entry], np.searchsorted(owner[entry], count + np.arange(problem.row_count + 1))),
-        sizes=(sum(values.lengths), sum(jacobian.lengths), sum(hessian.lengths)),
+        sizes=sizes,
     )
 
 
@@ -159,9 +155,9 @@ class _Triplets:
         self.columns: list[Index] = []
         self.weights: list[Array] = []
 
-    def add(self, rows: Index, columns: Index, weights: Array | None = None) -> None:
+    def add(self, rows: Index, columns: Index | None = None, weights: Array | None = None) -> None:
         self.rows.append(rows)
-        self.columns.append(columns)
+        self.columns.append(rows if columns is None else columns)
         self.weights.append(np.ones(len(rows)) if weights is None else weights)
 
     @property
@@ -172,12 +168,6 @@ class _Triplets:
         none = np.zeros(0, dtype=np.intp)
         rows, columns = np.concatenate([none, *self.rows]), np.concatenate([none, *self.columns])
         return rows, columns, np.concatenate([np.zeros(0), *self.weights])
-
-    def matrix(self, size: int) -> Any:
-        """(size, entries) that adds every entry to its row."""
-        rows, _, weights = self.joined()
-        source = np.flatnonzero(rows >= 0)
-        return sparse.csr_matrix((weights[source], (rows[source], source)), shape=(size, len(rows)))
 
 
 def _join(hessian: _Triplets, jacobian: _Triplets) -> tuple[Index, Index, Array, Index]:

@@ -19,6 +19,8 @@ from gaitforge.verify.scene import boxes_of
 
 IMPEDANCE = (0.5, 0.95)
 """Of a contact at no penetration and at its full depth; MuJoCo's 0.9 to begin with makes feet that slide hop."""
+ALOFT_M = 100.0
+"""[m] height at which the robot touches nothing but itself"""
 MASS_TOLERANCE = 1e-9
 """Relative"""
 
@@ -33,6 +35,8 @@ class Parts:
     """Body of each link"""
     objects: tuple[int, ...]
     """Body of each object of the scene"""
+    overlapping: tuple[tuple[str, str], ...] = ()
+    """Links whose shapes overlap in the nominal posture: their contacts are ignored"""
 
 
 def build_model(mj: Any, robot: RobotModel, scene: Scene, physics: Physics) -> tuple[Any, Parts]:
@@ -50,6 +54,9 @@ def build_model(mj: Any, robot: RobotModel, scene: Scene, physics: Physics) -> t
         _set_physics(mj, spec, physics)
         for body in (body for body, item in zip(objects, scene.objects, strict=True) if item.movable):
             _set_contacts(body.geoms, physics, physics.torsional_friction)
+        overlapping = _overlaps(mj, spec.compile(), robot)
+        for one, other in overlapping:
+            spec.add_exclude(bodyname1=one, bodyname2=other)
         model = spec.compile()
     except ValueError as error:
         reason = " ".join(str(error).split())
@@ -58,9 +65,21 @@ def build_model(mj: Any, robot: RobotModel, scene: Scene, physics: Physics) -> t
         tuple(body.name for body in robot_bodies),
         tuple(int(body.id) for body in robot_bodies),
         tuple(int(body.id) for body in objects),
+        overlapping,
     )
     _check(model, robot, parts)
     return model, parts
+
+
+def _overlaps(mj: Any, model: Any, robot: RobotModel) -> tuple[tuple[str, str], ...]:
+    """Links that overlap in the nominal posture; many files draw thigh and trunk so."""
+    data = mj.MjData(model)
+    data.qpos[2] += ALOFT_M
+    data.qpos[[int(model.joint(name).qposadr[0]) for name in robot.joint_names]] = robot.nominal.posture
+    mj.mj_forward(model, data)
+    touching = {tuple(sorted(int(model.geom_bodyid[g]) for g in c.geom)) for c in data.contact if c.dist < 0.0}
+    mine = {body for body in range(model.nbody) if model.body_rootid[body] == model.body(robot.base_link).id}
+    return tuple((model.body(a).name, model.body(b).name) for a, b in sorted(touching) if {a, b} <= mine)
 
 
 def _free_robot(mj: Any, spec: Any, robot: RobotModel, physics: Physics) -> list[Any]:

@@ -56,6 +56,7 @@ class Recorder:
                 name: self._qpos[:rows, [first + k for k in (0, 1, 2, 4, 5, 6, 3)]]
                 for name, first in world.movable.items()
             },
+            overlapping=world.overlapping,
         )
 
 

@@ -41,6 +41,8 @@ class World:
     """(n_J,) rows of qvel and of joint torques"""
     movable: dict[str, int]
     """name → first row of qpos (x, y, z, quaternion w, x, y, z) of objects that are not fixed in the world"""
+    overlapping: tuple[tuple[str, str], ...] = ()
+    """Links whose shapes overlap in the nominal posture: their contacts are ignored"""
 
     def place_robot(self, base_pose: ArrayLike, joints: ArrayLike) -> None:
         """Put base_link at a pose (6,) and the joints at positions (n_J,), at rest."""
@@ -97,6 +99,7 @@ def build_world(robot: RobotModel, scene: Scene, physics: Physics) -> World:
             for item, body in zip(scene.objects, parts.objects, strict=True)
             if item.movable
         },
+        overlapping=parts.overlapping,
     )
 
 

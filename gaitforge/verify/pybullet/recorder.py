@@ -70,6 +70,7 @@ class Recorder:
             sight=sight,
             images=tuple(images),
             objects={name: self._objects[:, k] for k, name in enumerate(self._movable)},
+            overlapping=self._world.overlapping,
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,8 @@ TORSION_M = 0.01
 rubber tip some 15 mm across gives"""
 STEEL, WOOD = (0.62, 0.65, 0.69, 1.0), (0.80, 0.58, 0.36, 1.0)
 """Colours of what stands fast and of what can be carried."""
+ALOFT_M = 100.0
+"""[m] height at which the robot touches nothing but itself"""
 MASS_TOLERANCE = 1e-6
 """Relative"""
 
@@ -52,6 +54,8 @@ class World:
     """(3,) centre of mass of base_link in its frame [m]: base pose calls speak of a frame there"""
     R_base_inertial: Array
     """(3, 3) orientation of that frame in base_link"""
+    overlapping: tuple[tuple[str, str], ...] = ()
+    """Links whose shapes overlap in the nominal posture: their contacts are ignored"""
 
     def place_robot(self, base_pose: ArrayLike, joints: ArrayLike) -> None:
         """Put base_link at a pose (6,) and the joints at positions (n_J,), at rest."""
@@ -129,7 +133,7 @@ def build_world(p: Any, client: int, robot: RobotModel, scene: Scene, friction: 
     )
     _check(world, robot)
     _prepare_robot(world, friction, [i for i, info in enumerate(infos) if info[2] != p.JOINT_FIXED])
-    return world
+    return replace(world, overlapping=_ignore_overlaps(world, robot))
 
 
 def _load_robot(p: Any, client: int, robot: RobotModel) -> int:
@@ -158,6 +162,18 @@ def _check(world: World, robot: RobotModel) -> None:
     )
     if abs(mass - robot.mass) > MASS_TOLERANCE * robot.mass:
         raise SimulationError(f"{robot.name}: {mass:.6g} kg in PyBullet, {robot.mass:.6g} kg in the model")
+
+
+def _ignore_overlaps(world: World, robot: RobotModel) -> tuple[tuple[str, str], ...]:
+    """Links that overlap in the nominal posture do not collide; many files draw thigh and trunk so."""
+    p, client = world.p, world.client
+    world.place_robot([0.0, 0.0, ALOFT_M, 0.0, 0.0, 0.0], robot.nominal.posture)
+    p.performCollisionDetection(physicsClientId=client)
+    found = p.getContactPoints(world.robot, world.robot, physicsClientId=client)
+    pairs = sorted({(min(c[3], c[4]), max(c[3], c[4])) for c in found if c[8] < 0.0})
+    for one, other in pairs:
+        p.setCollisionFilterPair(world.robot, world.robot, one, other, 0, physicsClientId=client)
+    return tuple((world.links[one + 1], world.links[other + 1]) for one, other in pairs)
 
 
 def _prepare_robot(world: World, friction: float, movable: list[int]) -> None:
