@@ -54,13 +54,15 @@ def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Worke
 def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
     """From a stand into a gait: few limbs step one by one, in the order with the best margin, many as always."""
     from gaitforge.footfall.settling import MOST
+    from gaitforge.motion.failure.still import calm
+    from gaitforge.motion.options import MotionOptions
 
     start = plan_stand("start", now.robot, gait, now.options, watch, f"{gait.name}_start")
     at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
     if len(gait.pattern.locomotive) <= MOST:
         return [_settled(now, stand, at_rest, watch), Segment(start)]
     search = replace(now.options.search, transition_phases="seam")
-    options = replace(now.options, search=search)
+    options = replace(now.options, search=search, motion=calm(now.options.motion or MotionOptions()))
     return [plan_change(now.robot, stand, at_rest, options, watch, workers), Segment(start)]
 
 

@@ -12,8 +12,11 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import Try, Workers, cheapest, unexplained, why
+from gaitforge.pipeline.tries import Result, Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
+
+SECOND_LOOKS = 4
+"""Batches of tries at a transition that are made after one whose plan tips by inverse dynamics"""
 
 
 def plan_change(
@@ -23,7 +26,8 @@ def plan_change(
     """The transition from one gait into another; `leave`: the one column at which the first may be left.
 
     With the best pair of phases the plan joins the gaits as `meeting` turns them.
-    Tries are made in batches; of the first batch in which any has a plan, the cheapest is taken.
+    Tries are made in batches; of the first batch in which any has a plan, the cheapest is taken.  Where its zero-moment
+    point leaves the feet by inverse dynamics, up to `SECOND_LOOKS` more batches are asked for one that does not tip.
     Raises `InfeasibleFootfall` when no number of columns has a pattern, `UnsolvedError` when no try had a plan.
     """
     from gaitforge.motion.transition import plan_transition
@@ -38,8 +42,9 @@ def plan_change(
         _try(robot, before, after, pattern, column_s, name, options)
         for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts, leave)
     )
+    narrow: list[Result] = []
     first: Try | None = None
-    while batch := list(islice(tries, options.search.transition_batch)):
+    while len(narrow) <= SECOND_LOOKS and (batch := list(islice(tries, options.search.transition_batch))):
         first = first or batch[0]
         with watch.stage("motion"):
             results = workers.run(batch)
@@ -47,16 +52,30 @@ def plan_change(
         attempts += left
         for one in left:
             watch.progress("motion", f"{name}: {one.what}: left ({one.why})")
-        if plan is not None:
-            what = next(r.what for r in results if r.plan is plan)
-            watch.progress("motion", f"{name}: {what}, {plan.report.seconds:.2f} s to solve")
-            return Segment(plan, 1, tuple(attempts))
+        narrow += [r for r in results if plan is not None and r.plan is plan]
+        if plan is not None and narrow[-1].zmp_margin >= 0.0:
+            break
+    if narrow:
+        return _widest(name, narrow, attempts, watch)
     with watch.stage("motion"):
         known = why(first)
     reason = f": {known['text']}" if known.get("text") else ""
     raise UnsolvedError(
         f"transition {name}: none of {len(attempts)} tries has a plan{reason}", exhausted(name, attempts, known)
     )
+
+
+def _widest(name: str, found: list[Result], attempts: list[Attempt], watch: Stopwatch) -> Segment:
+    """The plan whose zero-moment point stays farthest inside the feet; the last, where it stays there at all."""
+    best = max(reversed(found), key=lambda result: min(result.zmp_margin, 0.0))
+    assert best.plan is not None
+    watch.progress("motion", f"{name}: {best.what}, {best.plan.report.seconds:.2f} s to solve")
+    others = (
+        Attempt(r.what, f"zero-moment point {-1e3 * r.zmp_margin:.1f} mm outside the feet", r.seconds)
+        for r in found
+        if r is not best
+    )
+    return Segment(best.plan, 1, (*attempts, *others))
 
 
 def _try(

@@ -16,6 +16,7 @@ from gaitforge.pipeline.gaits import plan_phase
 from gaitforge.pipeline.options import Options, Search
 from gaitforge.pipeline.schedule import plan_task
 from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.pipeline.transitions import plan_change
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.load import load_task
@@ -113,6 +114,32 @@ def test_a_gait_that_no_motors_hold_is_taken_only_when_all_are_like_that(
     assert len(asked) == tried
     assert segment.plan.pattern.contact.tobytes() == asked[taken]
     assert sum("of the motors' efforts" in a.why for a in segment.left) == tried - 1
+
+
+@pytest.mark.parametrize(
+    ("margins", "tried", "taken"),
+    [((0.01,), 1, 0), ((-0.02, -0.01, 0.0), 3, 2), ((-0.03, -0.01, -0.02, -0.02, -0.02, 0.03), 5, 1)],
+)
+def test_a_transition_that_tips_is_taken_only_when_a_few_more_do(
+    hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch, margins: tuple[float, ...], tried: int, taken: int
+) -> None:
+    rows = {n: "000111" if i % 2 else "111000" for i, n in enumerate(hexapod.limb_names)}
+    gait = plan_of(hexapod, FootfallPattern.from_rows(rows), "a", 2.0)
+    asked: list[tuple[bytes, float]] = []
+
+    def tipping(
+        robot: RobotModel, before: MotionPlan, after: MotionPlan, *, name: str, pattern: FootfallPattern,
+        column_s: float, **more: Any,
+    ) -> MotionPlan:  # fmt: skip
+        plan = plan_of(robot, pattern, name, column_s, kind="transition")
+        asked.append((pattern.contact.tobytes(), column_s))
+        return replace(plan, report=SolveReport(details={"zmp_margin_m": margins[len(asked) - 1]}))
+
+    monkeypatch.setattr("gaitforge.motion.transition.plan_transition", tipping)
+    segment = plan_change(hexapod, gait, replace(gait, name="b"), OPTIONS, Stopwatch())
+    assert len(asked) == tried
+    assert (segment.plan.pattern.contact.tobytes(), segment.plan.duration) == asked[taken]
+    assert sum("outside the feet" in a.why for a in segment.left) == tried - 1
 
 
 def test_a_search_that_ends_with_nothing_is_unsolved_and_says_what_it_tried(
