@@ -59,9 +59,10 @@ def plan_phase(
     refusals: list[InfeasibleMotion] = []
     strained: list[tuple[float, Result]] = []
     first: Try | None = None
-    for patterns in _batches(robot, phase, roles, options, watch, original, attempts):
-        if strained and all(pattern.source == "wave" for pattern in patterns):
-            continue  # dear to plan, and slower
+    for batch in _batches(robot, phase, roles, options, watch, original, attempts):
+        patterns = [p for p in batch if not (strained and p.source == "wave")]  # dear to plan, and slower
+        if not patterns:
+            continue
         tries = [_try(robot, phase, pattern, roles, options, expected_base) for pattern in patterns]
         first = first or tries[0]
         with watch.stage("motion"):

@@ -44,7 +44,7 @@ def refused(finished: Finished, *words: str, code: int = 2, lines: int = 2) -> N
         (["task.phases.0.cycles=0"], ["task=walk", "phases.0.cycles", "0", "≥ 1"]),
         (["task.gait=gallop"], ["gait", "'gallop'", "auto, tripod, wave, program"]),
         (["+task.phases.0.roles.R9=held"], ["phases.0.roles.R9", "no limb", "L1, L2, L3, R1, R2, R3"]),
-        (["task=camera_leg"], ["phases.1.roles.camera", "no limb and no tool", "L1"]),
+        (["task=camera_only"], ["phases.1.roles.camera", "no limb and no tool", "L1"]),
         (["robot=dodecapod", "task=camera_leg", "task.scene.0.name=tube"], ["'pipe.opening'", "tube.opening"]),
         (["+task.phases.0.roles.R1={role: tool, look_at: [1, 0, 0]}"], ["R1", "camera"]),
         (["record._target_=os.getcwd"], ["record._target_", "'os.getcwd'", "gaitforge", "--allow-package"]),

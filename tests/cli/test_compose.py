@@ -50,7 +50,7 @@ def test_every_robot_folder_is_an_option_that_loads(robot: str) -> None:
 
 @pytest.mark.parametrize("task", sorted(p.name for p in FILES if p.parent.name == "task"))
 def test_every_task_is_read_from_the_composed_config(task: str) -> None:
-    robot = "dodecapod" if task in ("camera_leg", "carry_camera", "carry_large") else "hexapod"
+    robot = "dodecapod" if task in ("camera_leg", "camera_only", "carry_large") else "hexapod"
     node = composed(f"task={task}")
     read = load_task(plain(node.task), task, robot=load_robot(robot))
     source = yaml.safe_load((CONF / "task" / f"{task}.yaml").read_text())

@@ -68,7 +68,7 @@ def test_a_hexapod_frees_a_limb_while_it_walks(gaitforge: Run) -> None:
 
 
 def test_a_dodecapod_points_its_camera_at_the_pipe_while_eleven_limbs_walk(gaitforge: Run) -> None:
-    _, summary = verified(gaitforge("robot=dodecapod", "task=camera_leg"), "gait", "transition", "gait")
+    _, summary = verified(gaitforge("robot=dodecapod", "task=camera_only"), "gait", "transition", "gait")
     assert len(summary["segments"][3]["limbs_locomotive"]) == 11
     for planned, measured in gait_speeds(summary):
         assert planned == pytest.approx(0.064, rel=1e-6)

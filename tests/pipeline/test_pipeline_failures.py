@@ -11,7 +11,9 @@ import pytest
 from gaitforge.errors import InfeasibleFootfall, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.constraints.off_ground import OffGround
-from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.costs import Smoothness
+from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.pipeline.damage import SPEEDS, Damage, kept_clear, stuck
 from gaitforge.pipeline.failures import at_speed, moment, refuse_hopeless, stretches
 from gaitforge.pipeline.options import Options
@@ -168,6 +170,28 @@ def test_failed_feet_bear_load_once_more_when_there_are_no_steps_from_the_stand_
     segments = plan_restart(now, four, Stopwatch(), Workers())
     assert asked == [("all_clear", ()), ("all_halt", ("R3",))]
     assert [s.plan.name for s in segments] == ["steps", "without_start"], "the stand without them is left out"
+
+
+def test_many_limbs_step_as_in_a_transition_whose_accelerations_are_dear(
+    hexapod: RobotModel, planned: list, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plans = {s.plan.name: s.plan for s in planned}
+    asked: list[tuple[Options, Command]] = []
+
+    def change(robot: RobotModel, stand: MotionPlan, at_rest: MotionPlan, options: Options, *more: object) -> Segment:
+        asked.append((options, at_rest.command))
+        return Segment(stand)
+
+    monkeypatch.setattr("gaitforge.pipeline.restart.plan_change", change)
+    monkeypatch.setattr("gaitforge.pipeline.restart.plan_stand", lambda *a: plans["without_start"])
+    roles = {"R3": plans["without"].roles["R3"]}
+    now = Damage(stuck(hexapod, roles), OPTIONS, roles, plans["all_halt"])
+    plan_restart(now, replace(plans["all"], name="without"), Stopwatch(), Workers())
+    ((options, command),) = asked
+    assert options.motion is not None
+    dear, usual = ([f for f in o.costs if isinstance(f, Smoothness)] for o in (options.motion, MotionOptions()))
+    assert dear == [replace(usual[0], position=20.0 * usual[0].position)]
+    assert command.speed == 0.0
 
 
 def test_a_damaged_robot_may_walk_slower_and_what_was_tried_is_told(

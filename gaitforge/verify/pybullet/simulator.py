@@ -25,7 +25,7 @@ from gaitforge.verify.trace import Trace
 
 Array = NDArray[np.float64]
 CONE_ITERATIONS, CONE_RESIDUAL = 1000, 5e-4
-"""Of a step in a grasp: 2.2 mm of slip instead of the 1.9 of all 1000 iterations, in half the time"""
+"""Of a step in a grasp, in which a chain is closed: slips of 2 mm, with 500 iterations of 4.4"""
 
 
 @dataclass(frozen=True)
