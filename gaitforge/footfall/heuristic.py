@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,9 +16,15 @@ def centroid_heuristic(contact: NDArray[np.bool_], stance: Array, center_of_mass
     `contact` (n_F, m); `stance` (n_F, 2) mean stance position of each foot in the original gait, `center_of_mass`
     (2,) [m].  Infinite when some column has nobody in stance.  Source: section III-B.1.
     """
-    columns, counts = np.unique(contact, axis=1, return_counts=True)
-    distances = [np.linalg.norm(support_centroid(stance[c]) - center_of_mass) for c in columns.T]
-    return float(np.dot(counts, distances))
+    feet, middle = np.asarray(stance, dtype=float), np.asarray(center_of_mass, dtype=float).tobytes()
+    return sum(_distance(feet[column].tobytes(), middle) for column in contact.T)
+
+
+@lru_cache(maxsize=4096)
+def _distance(points: bytes, center_of_mass: bytes) -> float:
+    """Remembered: of patterns that are ranked together nearly all columns are alike."""
+    centroid = support_centroid(np.frombuffer(points).reshape(-1, 2))
+    return float(np.linalg.norm(centroid - np.frombuffer(center_of_mass)))
 
 
 def support_centroid(points: Array) -> Array:

@@ -43,11 +43,10 @@ UNHURRIED = 5.0
 """Mean speed of a foot in swing, in units of the body's speed: that of a four-limbed wave of 2 + 1 columns."""
 
 
-def stability_of(pattern: FootfallPattern, problem: FootfallProblem, travel: Travel) -> Stability:
-    """Margins of a pattern over the problem's footholds; needs `problem.footholds`."""
+def stability_of(pattern: FootfallPattern, problem: FootfallProblem, travel: Travel, offsets: Array) -> Stability:
+    """Margins of a pattern with these `stance_offsets` over the problem's footholds; needs `problem.footholds`."""
     assert problem.footholds is not None
     holds = problem.footholds
-    offsets = stance_offsets(pattern, travel.ends)  # (n_F, m, 2)
     feet = holds[:, None, None, :] + offsets[..., None] * travel.per_column
     walking = [problem.limbs.index(n) for n in problem.locomotive_anywhere]
     sway = SWAY * float(np.linalg.norm(holds[walking] - problem.center_of_mass, axis=1).mean())
@@ -77,8 +76,9 @@ def judged(
     pattern: FootfallPattern, problem: FootfallProblem, travel: Travel, by: Ranking
 ) -> tuple[tuple[float, ...], FootfallPattern]:
     """(sort key, smaller is better; the pattern with what was measured); needs `problem.footholds`."""
-    s = stability_of(pattern, problem, travel)
-    rate = step_rate(pattern, stance_offsets(pattern, travel.ends), travel.ends)
+    offsets = stance_offsets(pattern, travel.ends)  # (n_F, m, 2)
+    s = stability_of(pattern, problem, travel, offsets)
+    rate = step_rate(pattern, offsets, travel.ends)
     centroid = centroid_of(pattern, problem)
     measures = {"margin_m": s.margin, "switch_margin_m": s.switch_margin, "centroid_m": centroid, "step_rate": rate}
     order = _order(pattern, s, rate, centroid / pattern.columns)

@@ -34,6 +34,16 @@ def build_timeline(
     ground for good, they are blended in, and in a transition to something else they are blended out
     before the limb lands.  Raises `InputError` for targets that do not exist.
     """
+    timeline = Timeline(robot, laid_out(segments))
+    aims = _aims(robot, timeline, scene or Scene())
+    for aim, run in aims:  # each on top of those before: one target may follow another
+        pieces = _override(robot, timeline, aim, run)
+        timeline = replace(timeline, aims=(*timeline.aims, aim), overrides=(*timeline.overrides, *pieces))
+    return timeline
+
+
+def laid_out(segments: Sequence[tuple[MotionPlan, int]]) -> tuple[Entry, ...]:
+    """Entries for (plan, cycles), each from where the one before it ended; the first at the origin of the world."""
     entries: list[Entry] = []
     start = 0.0
     for plan, cycles in segments:
@@ -41,12 +51,7 @@ def build_timeline(
         origin = _origin(plan, _last_pose(entries[-1]) if entries else np.zeros(6))
         entries.append(Entry(plan, cycles, start, origin))
         start = entries[-1].end
-    timeline = Timeline(robot, tuple(entries))
-    aims = _aims(robot, timeline, scene or Scene())
-    for aim, run in aims:  # each on top of those before: one target may follow another
-        pieces = _override(robot, timeline, aim, run)
-        timeline = replace(timeline, aims=(*timeline.aims, aim), overrides=(*timeline.overrides, *pieces))
-    return timeline
+    return tuple(entries)
 
 
 def _last_pose(entry: Entry) -> Array:

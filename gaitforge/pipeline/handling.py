@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Segment
@@ -20,6 +21,10 @@ from gaitforge.task.scene import Scene, SceneObject
 
 if TYPE_CHECKING:
     from gaitforge.motion.manipulation.pick_place import Carried
+
+
+EDGE_M = 0.02
+"""[m] that the middle of a load is to be inside the edge of what it is put on, at least"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +58,30 @@ class Carriage:
         for segment in (*before, *after):
             margin = 1000.0 * float(segment.plan.report.details["margin_m"])
             watch.progress("motion", f"{segment.plan.name}: {segment.plan.duration:.2f} s, margin {margin:.0f} mm")
-        return [*before, *laden, *after]
+        segments = [*before, *laden, *after]
+        self._refuse_overhang(scene, segments)
+        return segments
+
+    def _refuse_overhang(self, scene: Scene, segments: Sequence[Segment]) -> None:
+        """What is put on a box has its centre of mass over that box, where the planned walk leads."""
+        from gaitforge.motion.manipulation.putting import inside_top
+        from gaitforge.motion.timeline_build import laid_out
+
+        entries = {entry.plan.name: entry for entry in laid_out([(s.plan, s.cycles) for s in segments])}
+        for place in self.places:
+            if place.onto == GROUND:
+                continue
+            name = f"{place.object}_open"
+            margin = inside_top(entries[name], place.object, _box(scene, place.onto))
+            if margin < EDGE_M:
+                where = (
+                    f"{abs(1000 * margin):.0f} mm {'inside' if margin >= 0.0 else 'beyond'} the edge of {place.onto}"
+                )
+                raise UnsolvedError(
+                    f"{name}: the middle of {place.object} comes to be {where}",
+                    {"segment": name, "families": ["scene"], "value": margin, "unit": "m",
+                     "advice": f"another place or size of {place.onto}, or more or fewer cycles"},
+                )  # fmt: skip
 
     def _picks(self, robot: RobotModel, start: MotionPlan) -> list[MotionPlan]:
         """Backwards from the rest in which the walk begins: what is picked up last is fixed first."""

@@ -28,12 +28,13 @@ class Run:
 
 def runs_of(row: NDArray[np.bool_], cyclic: bool) -> list[Run]:
     """The phases of a row (m,) from its first column on; in a cyclic row a phase may go on past the seam."""
-    m = len(row)
-    starts = [j for j in range(m) if row[j] != row[j - 1] and (cyclic or j > 0)]
+    cells: list[bool] = row.tolist()
+    m = len(cells)
+    starts = [j for j in range(m) if cells[j] != cells[j - 1] and (cyclic or j > 0)]
     if not starts:
-        return [Run(bool(row[0]), 0, m, False)]
+        return [Run(cells[0], 0, m, False)]
     if cyclic:
         ends = [*starts[1:], starts[0] + m]
-        return [Run(bool(row[s]), s, e - s, True) for s, e in zip(starts, ends, strict=True)]
+        return [Run(cells[s], s, e - s, True) for s, e in zip(starts, ends, strict=True)]
     edges = [0, *starts, m]
-    return [Run(bool(row[s]), s, e - s, s > 0 and e < m) for s, e in pairwise(edges)]
+    return [Run(cells[s], s, e - s, s > 0 and e < m) for s, e in pairwise(edges)]
