@@ -74,15 +74,16 @@ class _Found:
     plan: MotionPlan
     seconds: float
     margin: float
-    """[m] of the zero-moment point inside the feet, by inverse dynamics"""
+    """[m] of centre of mass and of zero-moment point inside the feet, the latter by inverse dynamics"""
     strain: float
     """[-] above 1 no contact forces let the motors hold it (`strain_of`)"""
 
     @staticmethod
     def of(robot: RobotModel, what: str, plan: MotionPlan, seconds: float) -> _Found:
+        from gaitforge.motion.failure.still import static_margin
         from gaitforge.motion.strain import strain_of
 
-        margin = float(plan.report.details.get("zmp_margin_m", 0.0))
+        margin = min(float(plan.report.details.get("zmp_margin_m", 0.0)), static_margin(robot, plan))
         return _Found(what, plan, seconds, margin, strain_of(robot, plan))
 
     @property
@@ -98,7 +99,7 @@ class _Found:
     @property
     def left(self) -> Attempt:
         """The entry of a plan that was left."""
-        tips = f"zero-moment point {-1e3 * self.margin:.1f} mm outside the feet" if self.margin < 0.0 else ""
+        tips = f"{-1e3 * self.margin:.1f} mm outside the feet" if self.margin < 0.0 else ""
         weak = f"{self.strain:.2f} of the motors' efforts" if self.strain > 1.0 else ""
         return Attempt(self.what, ", ".join(filter(None, (tips, weak))), self.seconds)
 

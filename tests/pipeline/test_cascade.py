@@ -129,9 +129,12 @@ GOOD, WEAK, WEAKER, TIPS = (0.01, 0.5), (0.01, 1.1), (0.01, 1.3), (-0.01, 0.5)
         ((TIPS, (-0.005, 0.5), TIPS, TIPS, TIPS, GOOD), 5, 1),
     ],
 )
+@pytest.mark.parametrize("least", [0.0, 0.02], ids=["centre of mass", "zero-moment point"])
 def test_a_transition_that_tips_or_is_too_heavy_is_taken_only_when_a_few_more_are(
-    hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch, found: tuple[tuple[float, float], ...], tried: int, taken: int
-) -> None:
+    hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch, found: tuple[tuple[float, float], ...], tried: int,
+    taken: int, least: float,
+) -> None:  # fmt: skip
+    """`least` [m]: by how much the other one of the two margins is larger."""
     rows = {n: "000111" if i % 2 else "111000" for i, n in enumerate(hexapod.limb_names)}
     gait = plan_of(hexapod, FootfallPattern.from_rows(rows), "a", 2.0)
     asked: list[tuple[bytes, float]] = []
@@ -147,11 +150,14 @@ def test_a_transition_that_tips_or_is_too_heavy_is_taken_only_when_a_few_more_ar
         )
 
     monkeypatch.setattr("gaitforge.motion.transition.plan_transition", tipping)
+    monkeypatch.setattr(
+        "gaitforge.motion.failure.still.static_margin", lambda robot, plan: found[len(asked) - 1][0] + least
+    )
     monkeypatch.setattr("gaitforge.motion.strain.least_strain", lambda robot, plan: found[len(asked) - 1][1])
     segment = plan_change(hexapod, gait, replace(gait, name="b"), OPTIONS, Stopwatch())
     assert len(asked) == tried
     assert (segment.plan.pattern.contact.tobytes(), segment.plan.duration) == asked[taken]
-    tips, weak = "zero-moment point {:.1f} mm outside the feet", "{:.2f} of the motors' efforts"
+    tips, weak = "{:.1f} mm outside the feet", "{:.2f} of the motors' efforts"
     assert [a.why for a in segment.left if "the feet" in a.why or "efforts" in a.why] == [
         tips.format(-1e3 * margin) if margin < 0.0 else weak.format(strain)
         for k, (margin, strain) in enumerate(found[:tried])
