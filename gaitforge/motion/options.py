@@ -48,7 +48,7 @@ class MotionOptions:
     """[s] to start from a stand or to stop"""
     refinements: int = 6
     """How often a plan is refined when its spline misses a bound between samples."""
-    iterations: int = 360
+    iterations: int = 500
     """After so many, on a finer grid counted in proportion, a plan is not refined any more; most take 10 to 100"""
     stability_share: float = 0.5
     """The share in force, one of `stability_shares`."""

@@ -21,17 +21,14 @@ from gaitforge.motion.solvers.solution import Solution
 from gaitforge.motion.solvers.structured import Structured
 from gaitforge.motion.zmp import zero_moment_point
 
-KINEMATIC = {"kinematics", "rolling", "joint_speed"}
-"""Families that no stability share changes"""
-
 
 def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     """A plan whose spline keeps its bounds between samples too; `UnsolvedError` when none was found.
 
     Joint speeds, position limits and clearance are answered with rows and bounds, feet that the spline pushes
     into the ground or drags with a finer grid, and a problem without a solution with the next smaller
-    stability share, unless what is in the way are feet or joints alone; the plan's `relaxed` and report say
-    which.  A failure says who is in the way, and, where that is asked for (`options.explain`), what would help.
+    stability share; the plan's `relaxed` and report say which.  A failure says who is in the way, and, where
+    that is asked for (`options.explain`), what would help.
     """
     try:
         return _over_shares(segment, options)
@@ -51,8 +48,6 @@ def _over_shares(segment: Segment, options: MotionOptions) -> MotionPlan:
             plan = _refined(segment, replace(options, stability_share=share))
         except UnsolvedError as error:
             failure = error
-            if _beyond_balance(error):
-                break
             continue
         relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
         return replace(plan, relaxed=(*plan.relaxed, *relaxed))
@@ -60,17 +55,12 @@ def _over_shares(segment: Segment, options: MotionOptions) -> MotionPlan:
     raise failure
 
 
-def _beyond_balance(failure: UnsolvedError) -> bool:
-    """Whether feet or joints are in the way and the centre of pressure is not: a smaller share would not help."""
-    families = set(failure.explain.get("families", ()))
-    return "causes" in failure.explain and bool(families & KINEMATIC) and "balance" not in families
-
-
 def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     """Solve on the asked grid, then with what the dense check asks for."""
     remedies = Remedies(_role_changes(segment))
     answered: tuple[str, ...] = ()
     start: Solution | None = None
+    bound = f"{options.refinements} refinements"
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(remedies.applied(options), remedies.families, start)
         remedies.record(answered, plan.report)
@@ -81,6 +71,7 @@ def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
         if not missed:
             return _reported(segment, plan, options, report, remedies)
         if remedies.work >= options.iterations:
+            bound = f"{options.iterations} iterations (motion.iterations)"
             break
         answered = tuple(m.family for m in missed)
         finer = _finer(segment, options, report)
@@ -89,7 +80,7 @@ def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
             remedies.move_to(finer, segment.grid.samples_per_column)
             segment, start = segment.on_grid(finer), None
     raise UnsolvedError(
-        f"{segment.name}: after {turn} refinements the spline still misses a bound: "
+        f"{segment.name}: after {bound} the spline still misses a bound: "
         + ", ".join(m.text for m in missed),
         {"segment": segment.name, **as_explain(causes_of_misses(missed)), **report.as_dict()},
     )

@@ -83,6 +83,8 @@ def relax(problem: Problem) -> Elastic:
         rows=list(problem.rows), terms=list(problem.terms),
     )  # fmt: skip
     blocks = [block for block in problem.rows if block.family not in DEFINITIONS]
+    if not blocks:
+        return Elastic(relaxed, np.zeros((0, 2), dtype=np.intp), [])
     rows = np.concatenate([np.arange(b.start, b.start + len(b.lower)) for b in blocks])
     price = np.concatenate([np.full(len(b.lower), _price(b)) for b in blocks])
     short = _shortfall(problem, blocks)

@@ -31,15 +31,15 @@ def compiled(stem: str, source: str, optimise: str) -> ctypes.CDLL | None:
     """
     flags = (optimise, *SHARED, *_processor_flags())
     key = blake2b(repr((source, flags, _processor())).encode(), digest_size=12).hexdigest()
-    made = cache_folder() / f"{stem}-{key}.so"
     try:
+        made = cache_folder() / f"{stem}-{key}.so"
         if not made.is_file():
             compiler = shutil.which(os.environ.get("CC", "cc"))
             if compiler is None:
                 return None
             _compile(compiler, flags, source, made)
         return ctypes.CDLL(str(made))
-    except (OSError, subprocess.SubprocessError):
+    except (OSError, RuntimeError, subprocess.SubprocessError):  # RuntimeError: a user without a home
         return None
 
 

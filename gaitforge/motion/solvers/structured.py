@@ -12,8 +12,10 @@ from gaitforge.motion.solvers.ipopt import Ipopt
 from gaitforge.motion.solvers.solution import MotionSolver, Solution, Start
 from gaitforge.motion.solvers.workspace import workspace_of
 
-NEAREST = 40
-"""Iterations towards the least violated point: near is near enough, and an infeasible goal is to be answered soon"""
+NEAREST = (40, 100)
+"""Iterations towards the least violated point: near is near enough as a rule, and an answer is wanted soon"""
+FEW = 60
+"""Rows in the way of a point that is worth the second number of iterations"""
 
 
 @dataclass(frozen=True)
@@ -52,25 +54,30 @@ class Structured:
         if not found.solved and self.fallback is not None and not found.violations:
             other = self.fallback.solve(problem, start)
             status = f"{other.status} (structured: {found.status})"
-            found = replace(other, status=status, iterations=found.iterations + other.iterations)
+            spent = found.iterations + other.iterations
+            found = replace(other, status=status, iterations=spent, violations=found.violations)
         return replace(found, seconds=time.perf_counter() - begin)
 
-    def nearest(self, problem: Problem) -> Solution:
-        """The point that violates the problem least, with `violations`; solved when there are none."""
+    def nearest(self, problem: Problem, iterations: int = NEAREST[-1]) -> Solution:
+        """The point that violates the problem least, with `violations` (none: it is feasible); solved when it is that."""
         relaxed = relax(problem)
-        easy = replace(self, max_iterations=NEAREST, patience=NEAREST, tolerance=1e-4, gap=1e-3)
+        easy = replace(self, max_iterations=iterations, patience=iterations, tolerance=1e-4, gap=1e-3)
         near = easy._solve(relaxed.problem, None)
         left = relaxed.violations(near.x)
-        return replace(near, x=near.x[: problem.size], solved=not left, multipliers=None, violations=left)
+        return replace(near, x=near.x[: problem.size], multipliers=None, violations=left)
 
     def _restored(self, problem: Problem, failed: Solution) -> Solution:
         """The solution found from the least violated point, or the failure with what is in the way."""
-        near = self.nearest(problem)
-        again = self._solve(problem, near.x)
-        spent = failed.iterations + near.iterations + again.iterations
-        timings = {k: failed.timings[k] + near.timings[k] + again.timings[k] for k in failed.timings}
+        tried = [failed]
+        for iterations in NEAREST:
+            near = self.nearest(problem, iterations)
+            again = self._solve(problem, near.x)
+            tried += [near, again]
+            if again.solved or near.solved or len(near.violations or ()) > FEW:
+                break
         kept = again if again.solved else replace(failed, violations=near.violations)
-        return replace(kept, iterations=spent, timings=timings)
+        timings = {k: sum(t.timings[k] for t in tried) for k in failed.timings}
+        return replace(kept, iterations=sum(t.iterations for t in tried), timings=timings)
 
     def _solve(self, problem: Problem, start: Start) -> Solution:
         begin, busy = time.perf_counter(), time.process_time()
