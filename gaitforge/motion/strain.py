@@ -31,6 +31,12 @@ def least_strain(robot: RobotModel, plan: MotionPlan, friction: float = FRICTION
     return worst
 
 
+def strain_of(robot: RobotModel, plan: MotionPlan) -> float:
+    """The plan's own `effort_ratio`, or `least_strain` where that is above 1 [-]."""
+    planned = float(plan.report.details.get("effort_ratio", 0.0))
+    return planned if planned <= 1.0 else least_strain(robot, plan)
+
+
 def _driven(robot: RobotModel, plan: MotionPlan) -> NDArray[np.intp]:
     """Joints that have a motor."""
     limp = [n for n, role in plan.roles.items() if isinstance(role, Failed) and role.mode == "limp"]

@@ -20,7 +20,6 @@ from gaitforge.task.scene import Scene
 
 if TYPE_CHECKING:
     from gaitforge.footfall.synthesis import Method
-    from gaitforge.motion.plan import MotionPlan
 
 
 def nonlocomotive(robot: RobotModel, phase: Phase, scene: Scene) -> dict[str, Role]:
@@ -49,9 +48,11 @@ def plan_phase(
 
     `original`: the pattern of the gait before, for when one of its limbs is lost.  Patterns are handed to the
     optimiser in batches; of the first batch in which any has a plan, the cheapest is taken, unless its motors cannot
-    hold it (`_strain`) and another batch has one that they can.
+    hold it (`strain_of`) and another batch has one that they can.
     Raises `InfeasibleFootfall` or `InfeasibleMotion` with a proof, `UnsolvedError` when every candidate failed.
     """
+    from gaitforge.motion.strain import strain_of
+
     robot = robot.carrying(*phase.loads)  # footholds and body are placed for what is carried, too
     roles = nonlocomotive(robot, phase, scene)
     workers = workers or Workers()
@@ -75,7 +76,8 @@ def plan_phase(
         taken = next((r for r in results if plan is not None and r.plan is plan), None)
         if taken is None:
             continue
-        strain = _strain(robot, taken.plan)
+        assert taken.plan is not None
+        strain = strain_of(robot, taken.plan)
         if strain <= 1.0:
             return _segment(phase, taken, attempts, strained, watch)
         strained.append((strain, taken))
@@ -95,15 +97,6 @@ def _segment(
     watch.progress("motion", f"{phase.name}: {result.what}, {result.plan.report.seconds:.2f} s to solve")
     heavier = (Attempt(r.what, f"{strain:.2f} of the motors' efforts", r.seconds) for strain, r in strained)
     return Segment(result.plan, phase.cycles, (*attempts, *heavier))
-
-
-def _strain(robot: RobotModel, plan: MotionPlan | None) -> float:
-    """Above 1: no contact forces let the motors hold the plan; asked only where the plan's own are too much [-]."""
-    from gaitforge.motion.strain import least_strain
-
-    assert plan is not None
-    planned = float(plan.report.details.get("effort_ratio", 0.0))
-    return planned if planned <= 1.0 else least_strain(robot, plan)
 
 
 def _try(

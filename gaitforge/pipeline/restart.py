@@ -62,7 +62,8 @@ def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, w
     if len(gait.pattern.locomotive) <= MOST:
         return [_settled(now, stand, at_rest, watch), Segment(start)]
     search = replace(now.options.search, transition_phases="seam")
-    options = replace(now.options, search=search, motion=calm(now.options.motion or MotionOptions()))
+    options = _while_held(now)
+    options = replace(options, search=search, motion=calm(options.motion or MotionOptions()))
     return [plan_change(now.robot, stand, at_rest, options, watch, workers), Segment(start)]
 
 
@@ -101,7 +102,7 @@ def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iter
     from gaitforge.motion.failure.still import stepping
     from gaitforge.motion.options import MotionOptions
 
-    motion = _quick((_while_held(now) if now.held else now.options).motion or MotionOptions())
+    motion = _quick(_while_held(now).motion or MotionOptions())
     patterns = _patterns(now, stand, start)
     for how, options in (("", stepping(motion)), (", swaying", motion)):
         for stretch in UNHURRIED:
@@ -142,6 +143,8 @@ def _while_held(now: Damage) -> Options:
     from gaitforge.motion.constraints.off_ground import OffGround
     from gaitforge.motion.options import MotionOptions
 
+    if not now.held:
+        return now.options
     motion = now.options.motion or MotionOptions()
     families = [
         replace(f, points=tuple(p for p in f.points if p[0] not in now.held)) if isinstance(f, OffGround) else f

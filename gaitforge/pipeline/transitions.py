@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import islice
 
 from gaitforge.errors import InfeasibleFootfall, UnsolvedError
@@ -12,11 +13,11 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import Result, Try, Workers, cheapest, unexplained, why
+from gaitforge.pipeline.tries import Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
 
 SECOND_LOOKS = 4
-"""Batches of tries at a transition that are made after one whose plan tips by inverse dynamics"""
+"""Batches of tries at a transition that are made after one whose plan tips, or is more than the motors hold"""
 
 
 def plan_change(
@@ -26,8 +27,8 @@ def plan_change(
     """The transition from one gait into another; `leave`: the one column at which the first may be left.
 
     With the best pair of phases the plan joins the gaits as `meeting` turns them.
-    Tries are made in batches; of the first batch in which any has a plan, the cheapest is taken.  Where its zero-moment
-    point leaves the feet by inverse dynamics, up to `SECOND_LOOKS` more batches are asked for one that does not tip.
+    Tries are made in batches; of the first batch in which any has a plan, the cheapest is taken.  Where it is not
+    sound (`_Found`), up to `SECOND_LOOKS` more batches are asked for one that is.
     Raises `InfeasibleFootfall` when no number of columns has a pattern, `UnsolvedError` when no try had a plan.
     """
     from gaitforge.motion.transition import plan_transition
@@ -42,9 +43,9 @@ def plan_change(
         _try(robot, before, after, pattern, column_s, name, options)
         for pattern, column_s in _tries(robot, before, after, name, options, watch, attempts, leave)
     )
-    narrow: list[Result] = []
+    found: list[_Found] = []
     first: Try | None = None
-    while len(narrow) <= SECOND_LOOKS and (batch := list(islice(tries, options.search.transition_batch))):
+    while len(found) <= SECOND_LOOKS and (batch := list(islice(tries, options.search.transition_batch))):
         first = first or batch[0]
         with watch.stage("motion"):
             results = workers.run(batch)
@@ -52,11 +53,11 @@ def plan_change(
         attempts += left
         for one in left:
             watch.progress("motion", f"{name}: {one.what}: left ({one.why})")
-        narrow += [r for r in results if plan is not None and r.plan is plan]
-        if plan is not None and narrow[-1].zmp_margin >= 0.0:
+        found += [_Found.of(robot, r.what, plan, r.seconds) for r in results if plan is not None and r.plan is plan]
+        if plan is not None and found[-1].sound:
             break
-    if narrow:
-        return _widest(name, narrow, attempts, watch)
+    if found:
+        return _soundest(name, found, attempts, watch)
     with watch.stage("motion"):
         known = why(first)
     reason = f": {known['text']}" if known.get("text") else ""
@@ -65,17 +66,48 @@ def plan_change(
     )
 
 
-def _widest(name: str, found: list[Result], attempts: list[Attempt], watch: Stopwatch) -> Segment:
-    """The plan whose zero-moment point stays farthest inside the feet; the last, where it stays there at all."""
-    best = max(reversed(found), key=lambda result: min(result.zmp_margin, 0.0))
-    assert best.plan is not None
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """A plan, and whether it will do in the real world."""
+
+    what: str
+    plan: MotionPlan
+    seconds: float
+    margin: float
+    """[m] of centre of mass and of zero-moment point inside the feet, the latter by inverse dynamics"""
+    strain: float
+    """[-] above 1 no contact forces let the motors hold it (`strain_of`)"""
+
+    @staticmethod
+    def of(robot: RobotModel, what: str, plan: MotionPlan, seconds: float) -> _Found:
+        from gaitforge.motion.failure.still import static_margin
+        from gaitforge.motion.strain import strain_of
+
+        margin = min(float(plan.report.details.get("zmp_margin_m", 0.0)), static_margin(robot, plan))
+        return _Found(what, plan, seconds, margin, strain_of(robot, plan))
+
+    @property
+    def sound(self) -> bool:
+        """Neither tips nor gives way."""
+        return self.margin >= 0.0 and self.strain <= 1.0
+
+    @property
+    def rank(self) -> tuple[bool, float, float]:
+        """The larger the better: what tips falls, what gives way limps."""
+        return self.margin >= 0.0, -max(self.strain, 1.0), min(self.margin, 0.0)
+
+    @property
+    def left(self) -> Attempt:
+        """The entry of a plan that was left."""
+        tips = f"{-1e3 * self.margin:.1f} mm outside the feet" if self.margin < 0.0 else ""
+        weak = f"{self.strain:.2f} of the motors' efforts" if self.strain > 1.0 else ""
+        return Attempt(self.what, ", ".join(filter(None, (tips, weak))), self.seconds)
+
+
+def _soundest(name: str, found: list[_Found], attempts: list[Attempt], watch: Stopwatch) -> Segment:
+    best = max(reversed(found), key=lambda one: one.rank)
     watch.progress("motion", f"{name}: {best.what}, {best.plan.report.seconds:.2f} s to solve")
-    others = (
-        Attempt(r.what, f"zero-moment point {-1e3 * r.zmp_margin:.1f} mm outside the feet", r.seconds)
-        for r in found
-        if r is not best
-    )
-    return Segment(best.plan, 1, (*attempts, *others))
+    return Segment(best.plan, 1, (*attempts, *(one.left for one in found if one is not best)))
 
 
 def _try(

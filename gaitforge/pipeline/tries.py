@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
-from math import inf
 from multiprocessing import current_process, get_context
 from types import TracebackType
 from typing import Any, Literal
@@ -53,11 +52,6 @@ class Result:
     plan: MotionPlan | None
     error: UnsolvedError | InfeasibleMotion | None
     seconds: float
-
-    @property
-    def zmp_margin(self) -> float:
-        """[m] that the plan's zero-moment point stays inside the feet by inverse dynamics; -inf without a plan."""
-        return -inf if self.plan is None else float(self.plan.report.details.get("zmp_margin_m", 0.0))
 
     @property
     def left(self) -> Attempt:

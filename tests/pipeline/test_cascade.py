@@ -116,13 +116,25 @@ def test_a_gait_that_no_motors_hold_is_taken_only_when_all_are_like_that(
     assert sum("of the motors' efforts" in a.why for a in segment.left) == tried - 1
 
 
+GOOD, WEAK, WEAKER, TIPS = (0.01, 0.5), (0.01, 1.1), (0.01, 1.3), (-0.01, 0.5)
+"""(margin [m], strain) of plans"""
+
+
 @pytest.mark.parametrize(
-    ("margins", "tried", "taken"),
-    [((0.01,), 1, 0), ((-0.02, -0.01, 0.0), 3, 2), ((-0.03, -0.01, -0.02, -0.02, -0.02, 0.03), 5, 1)],
+    ("found", "tried", "taken"),
+    [
+        ((GOOD,), 1, 0),
+        ((TIPS, WEAK, GOOD), 3, 2),
+        ((WEAKER, WEAK, TIPS, TIPS, WEAKER, GOOD), 5, 1),
+        ((TIPS, (-0.005, 0.5), TIPS, TIPS, TIPS, GOOD), 5, 1),
+    ],
 )
-def test_a_transition_that_tips_is_taken_only_when_a_few_more_do(
-    hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch, margins: tuple[float, ...], tried: int, taken: int
-) -> None:
+@pytest.mark.parametrize("least", [0.0, 0.02], ids=["centre of mass", "zero-moment point"])
+def test_a_transition_that_tips_or_is_too_heavy_is_taken_only_when_a_few_more_are(
+    hexapod: RobotModel, monkeypatch: pytest.MonkeyPatch, found: tuple[tuple[float, float], ...], tried: int,
+    taken: int, least: float,
+) -> None:  # fmt: skip
+    """`least` [m]: by how much the other one of the two margins is larger."""
     rows = {n: "000111" if i % 2 else "111000" for i, n in enumerate(hexapod.limb_names)}
     gait = plan_of(hexapod, FootfallPattern.from_rows(rows), "a", 2.0)
     asked: list[tuple[bytes, float]] = []
@@ -133,13 +145,24 @@ def test_a_transition_that_tips_is_taken_only_when_a_few_more_do(
     ) -> MotionPlan:  # fmt: skip
         plan = plan_of(robot, pattern, name, column_s, kind="transition")
         asked.append((pattern.contact.tobytes(), column_s))
-        return replace(plan, report=SolveReport(details={"zmp_margin_m": margins[len(asked) - 1]}))
+        return replace(
+            plan, report=SolveReport(details={"zmp_margin_m": found[len(asked) - 1][0], "effort_ratio": 2.0})
+        )
 
     monkeypatch.setattr("gaitforge.motion.transition.plan_transition", tipping)
+    monkeypatch.setattr(
+        "gaitforge.motion.failure.still.static_margin", lambda robot, plan: found[len(asked) - 1][0] + least
+    )
+    monkeypatch.setattr("gaitforge.motion.strain.least_strain", lambda robot, plan: found[len(asked) - 1][1])
     segment = plan_change(hexapod, gait, replace(gait, name="b"), OPTIONS, Stopwatch())
     assert len(asked) == tried
     assert (segment.plan.pattern.contact.tobytes(), segment.plan.duration) == asked[taken]
-    assert sum("outside the feet" in a.why for a in segment.left) == tried - 1
+    tips, weak = "{:.1f} mm outside the feet", "{:.2f} of the motors' efforts"
+    assert [a.why for a in segment.left if "the feet" in a.why or "efforts" in a.why] == [
+        tips.format(-1e3 * margin) if margin < 0.0 else weak.format(strain)
+        for k, (margin, strain) in enumerate(found[:tried])
+        if k != taken
+    ]
 
 
 def test_a_search_that_ends_with_nothing_is_unsolved_and_says_what_it_tried(

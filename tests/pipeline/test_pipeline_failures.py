@@ -10,6 +10,7 @@ import pytest
 
 from gaitforge.errors import InfeasibleFootfall, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.constraints.locked import Locked
 from gaitforge.motion.constraints.off_ground import OffGround
 from gaitforge.motion.costs import Smoothness
 from gaitforge.motion.options import MotionOptions
@@ -187,11 +188,15 @@ def test_many_limbs_step_as_in_a_transition_whose_accelerations_are_dear(
     roles = {"R3": plans["without"].roles["R3"]}
     now = Damage(stuck(hexapod, roles), OPTIONS, roles, plans["all_halt"])
     plan_restart(now, replace(plans["all"], name="without"), Stopwatch(), Workers())
-    ((options, command),) = asked
+    plan_restart(replace(now, held=("R3",)), replace(plans["all"], name="without"), Stopwatch(), Workers())
+    (options, command), (held, _) = asked
     assert options.motion is not None
     dear, usual = ([f for f in o.costs if isinstance(f, Smoothness)] for o in (options.motion, MotionOptions()))
     assert dear == [replace(usual[0], position=20.0 * usual[0].position)]
     assert command.speed == 0.0
+    assert held.motion is not None
+    locked = [[f.limbs for f in o.constraints if isinstance(f, Locked)] for o in (options.motion, held.motion)]
+    assert locked == [[], [("R3",)]], "a limb that bears load while it is locked is not to be moved"
 
 
 def test_a_damaged_robot_may_walk_slower_and_what_was_tried_is_told(
