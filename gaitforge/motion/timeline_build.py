@@ -48,13 +48,13 @@ def laid_out(segments: Sequence[tuple[MotionPlan, int]]) -> tuple[Entry, ...]:
     start = 0.0
     for plan, cycles in segments:
         # A gait is the same gait anywhere, so the optimiser leaves open where along x it lies.
-        origin = _origin(plan, _last_pose(entries[-1]) if entries else np.zeros(6))
+        origin = _origin(plan, last_pose(entries[-1]) if entries else np.zeros(6))
         entries.append(Entry(plan, cycles, start, origin))
         start = entries[-1].end
     return tuple(entries)
 
 
-def _last_pose(entry: Entry) -> Array:
+def last_pose(entry: Entry) -> Array:
     """(6,) where the base is in the world when an entry ends."""
     plan = entry.plan
     end = carry(plan.base_poses[-1:], plan.base_poses[0], plan.base_poses[-1], entry.cycles - 1)

@@ -46,8 +46,13 @@ class Carriage:
 
         return replace(options, motion=steadied(options.motion or MotionOptions(), self.robot))
 
-    def around(self, bare: RobotModel, scene: Scene, walking: list[Segment], watch: Stopwatch) -> list[Segment]:
-        """The stands of picking up, the walk itself, the stands of putting down; `bare` is the robot without loads."""
+    def around(
+        self, bare: RobotModel, scene: Scene, walking: list[Segment], watch: Stopwatch, earlier: Sequence[Segment] = ()
+    ) -> list[Segment]:
+        """The stands of picking up, the walk itself, the stands of putting down; `bare` is the robot without loads.
+
+        `earlier`: what is executed before; limbs that held then are put down, and those that hold now lifted.
+        """
         if not self.carried:
             return walking
         holdings = tuple(c.holding() for c in self.carried)
@@ -58,9 +63,20 @@ class Carriage:
         for segment in (*before, *after):
             margin = 1000.0 * float(segment.plan.report.details["margin_m"])
             watch.progress("motion", f"{segment.plan.name}: {segment.plan.duration:.2f} s, margin {margin:.0f} mm")
-        segments = [*before, *laden, *after]
-        self._refuse_overhang(scene, segments)
+        between = self._regrouped(bare, earlier[-1].plan, before[0].plan, watch) if earlier else []
+        segments = [*between, *before, *laden, *after]
+        self._refuse_overhang(scene, [*earlier, *segments])
         return segments
+
+    @staticmethod
+    def _regrouped(robot: RobotModel, stood: MotionPlan, ready: MotionPlan, watch: Stopwatch) -> list[Segment]:
+        from gaitforge.motion.manipulation.regroup import plan_regroup
+        from gaitforge.motion.options import MotionOptions
+
+        with watch.stage("motion"):
+            plan = plan_regroup(robot, stood, ready, MotionOptions())
+        watch.progress("motion", f"{plan.name}: {plan.duration:.2f} s, {plan.report.seconds:.2f} s to solve")
+        return [Segment(plan)]
 
     def _refuse_overhang(self, scene: Scene, segments: Sequence[Segment]) -> None:
         """What is put on a box has its centre of mass over that box, where the planned walk leads."""
@@ -109,8 +125,20 @@ class Carriage:
         return plans
 
 
-def carriage(robot: RobotModel, task: Task) -> Carriage:
+def blocks(task: Task) -> list[Task]:
+    """Parts of a task, each of which picks up, walks and puts down; what is picked up after a walk begins the next."""
+    parts: list[list[Phase]] = [[]]
+    for phase in task.phases:
+        if phase.kind == "pick" and any(p.kind != "pick" for p in parts[-1]):
+            parts.append([])
+        parts[-1].append(phase)
+    return [replace(task, phases=tuple(part)) for part in parts]
+
+
+def carriage(robot: RobotModel, task: Task, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Carriage:
     """What the picks at the beginning of a task lead to; a task without any is walked as it is.
+
+    `place`: x, y [m] and yaw [rad] of the base where it picks up.
 
     Raises `InfeasibleMotion` when a limb does not reach what it is to pick up.
     """
@@ -122,7 +150,7 @@ def carriage(robot: RobotModel, task: Task) -> Carriage:
     from gaitforge.motion.manipulation.footing import under_load
     from gaitforge.motion.manipulation.pick_place import carry
 
-    carried = tuple(carry(robot, _box(task.scene, pick.object), pick, (0.0, 0.0, 0.0)) for pick in picks)
+    carried = tuple(carry(robot, _box(task.scene, pick.object), pick, place) for pick in picks)
     postures = {name: joints for c in carried for name, joints in c.joints.items()}
     held = np.array(robot.nominal.held_posture, dtype=float)
     for name, joints in postures.items():

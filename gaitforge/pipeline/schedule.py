@@ -13,7 +13,7 @@ from gaitforge.motion.trajectory import planar_motion
 from gaitforge.pipeline.damage import Damage
 from gaitforge.pipeline.failures import at_speed, plan_failure, refuse_hopeless, stretches
 from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
-from gaitforge.pipeline.handling import carriage
+from gaitforge.pipeline.handling import blocks, carriage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.restart import plan_restart
 from gaitforge.pipeline.segment import Attempt, Segment
@@ -31,8 +31,20 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
     `done` is filled as far as planning came when an error leaves this function, so that the summary of
     a run without a solution shows what there was.
     """
+    for block in blocks(task):
+        own: list[Segment] = []
+        try:
+            _plan_block(robot, block, options, watch, own, tuple(done))
+        finally:
+            done += own
+
+
+def _plan_block(
+    robot: RobotModel, task: Task, options: Options, watch: Stopwatch, done: list[Segment], earlier: tuple[Segment, ...]
+) -> None:
+    """What is picked up, carried and put down; `earlier`: everything that is executed before."""
     with watch.stage("motion"):
-        load = carriage(robot, task)
+        load = carriage(robot, task, _place(earlier))
         options = load.steadied(options)
     walk = load.walk
     refuse_hopeless(load.robot, walk, options)
@@ -45,9 +57,20 @@ def plan_task(robot: RobotModel, task: Task, options: Options, watch: Stopwatch,
             if failure is not None:
                 now = plan_failure(now, gaits[-1].plan, failure, watch, done)
                 walk = now.applied(walk, span.stop)
-    start = plan_stand("start", load.robot, ends[0], options, watch)
-    stop = plan_stand("stop", now.robot, ends[-1], now.options, watch)
-    done[:] = load.around(robot, task.scene, [Segment(start), *done, Segment(stop)], watch)
+    again = f"{ends[0].name}_" if earlier else ""
+    start = plan_stand("start", load.robot, ends[0], options, watch, f"{again}start")
+    stop = plan_stand("stop", now.robot, ends[-1], now.options, watch, f"{again}stop")
+    done[:] = load.around(robot, task.scene, [Segment(start), *done, Segment(stop)], watch, earlier)
+
+
+def _place(earlier: Sequence[Segment]) -> tuple[float, float, float]:
+    """x, y [m], yaw [rad] of the base after segments; the origin of the world before any."""
+    if not earlier:
+        return 0.0, 0.0, 0.0
+    from gaitforge.motion.timeline_build import laid_out, last_pose
+
+    x, y, _, _, _, yaw = last_pose(laid_out([(s.plan, s.cycles) for s in earlier])[-1])
+    return float(x), float(y), float(yaw)
 
 
 def _plan_stretch(

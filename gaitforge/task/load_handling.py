@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -53,11 +54,11 @@ def handling_phase(reader: Reader, own: Mapping[str, Any], key: str) -> Phase:
 def check_handling(reader: Reader, phases: Sequence[Phase], scene: Scene, robot: RobotModel | None) -> None:
     """What is picked up exists, is held by pairs of limbs that do nothing else, and is put down once or not at all.
 
-    A task picks up before it walks and puts down after it: where the feet stand in between is the gait's matter.
+    A task picks up before it walks and puts down after it, once or several times: where the feet stand in between is
+    the gait's matter, and who picks up again has let go of everything.
     """
     kinds = [p.kind for p in phases]
-    order = {"pick": 0, "walk": 1, "place": 2}
-    if set(kinds) != {"walk"} and ("walk" not in kinds or kinds != sorted(kinds, key=lambda k: order[k])):
+    if not re.fullmatch("w+|(p+w+l*)+", "".join({"pick": "p", "walk": "w", "place": "l"}[k] for k in kinds)):
         reader.problem("phases", " → ".join(kinds), "phases that pick up, then walk, then put down")
     boxes = {o.name: o for o in scene.objects if o.kind == "box"}
     movable = [name for name, box in boxes.items() if box.mass > 0.0]
@@ -68,6 +69,9 @@ def check_handling(reader: Reader, phases: Sequence[Phase], scene: Scene, robot:
         if isinstance(handling, Pick):
             if handling.object not in movable:
                 reader.problem(f"{key}.object", repr(handling.object), _one_of(movable, "a box with a mass"))
+            if index and kinds[index - 1] != "pick" and held:
+                still = ", ".join(dict.fromkeys(held.values()))
+                reader.problem(f"{key}.object", f"{handling.object} while {still} is held", "that it is put down first")
             picked.append(handling.object)
             _check_limbs(reader, handling, f"{key}.limbs", held, robot)
         elif isinstance(handling, Place):
@@ -75,6 +79,7 @@ def check_handling(reader: Reader, phases: Sequence[Phase], scene: Scene, robot:
                 reader.problem(f"{key}.object", repr(handling.object), _one_of(picked, "what has been picked up"))
             if handling.onto != GROUND and handling.onto not in boxes:
                 reader.problem(f"{key}.onto", repr(handling.onto), _one_of([GROUND, *boxes], "ground or a box"))
+            held = {name: what for name, what in held.items() if what != handling.object}
         for name in phase.roles:
             if (limb := _limb_name(robot, name)) in held:
                 reader.problem(f"{key}.roles.{name}", "a limb that holds " + held[limb], "a limb that is free")

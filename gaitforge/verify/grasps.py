@@ -45,6 +45,17 @@ def laden_com(
     return np.asarray(moment / mass[:, None])
 
 
+def leaning_rows(timeline: Timeline, plan: TimelineSamples, objects: dict[str, Array]) -> NDArray[np.bool_]:
+    """(n,) do tips touch a load that stands on something: by whatever they press on it, feet bear less or more."""
+    found = np.zeros(len(plan.times), dtype=bool)
+    for index, entry in enumerate(timeline.entries):
+        rows = np.flatnonzero(plan.segment == index)
+        for holding in entry.plan.holdings:
+            if holding.limbs:
+                found[rows] |= ~holding.borne(objects[holding.object][rows, 2])
+    return found
+
+
 def load_errors(base_poses: Array, measured: Array, planned: Array) -> tuple[Array, Array]:
     """(n,) distance [m] and angle [rad] between a load and its planned place relative to the body, NaN without plan.
 

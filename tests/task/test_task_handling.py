@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from gaitforge.errors import InputError
+from gaitforge.pipeline.handling import blocks
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.handling import Pick, Place
@@ -31,6 +32,26 @@ def test_a_task_picks_up_walks_and_puts_down(hexapod: RobotModel) -> None:
     assert task.phases[0].handling == Pick("box", ("L1", "R1"), squeeze=12.0)
     assert task.phases[2].handling == Place("box", "shelf")
     assert task.phases[1].cycles == 3
+
+
+def test_a_task_may_pick_up_another_box_when_it_has_put_one_down(hexapod: RobotModel) -> None:
+    tray = {**BOX, "name": "tray"}
+    again = [{**PICK, "name": "again", "object": "tray"}, {**WALK, "name": "on"}]
+    phases = [PICK, WALK, PLACE, *again]
+    task = load_task({"scene": [BOX, tray], "phases": phases}, "t", robot=hexapod)
+    assert [[p.name for p in part.phases] for part in blocks(task)] == [
+        ["take", "walk", "put"], ["again", "on"],
+    ]  # fmt: skip
+    assert all(part.scene == task.scene for part in blocks(task))
+
+
+def test_who_holds_a_box_picks_up_no_other_after_a_walk(hexapod: RobotModel) -> None:
+    tray = {**BOX, "name": "tray"}
+    again = {**PICK, "name": "again", "object": "tray", "limbs": ["L2", "R2"]}
+    with pytest.raises(InputError) as caught:
+        load_task({"scene": [BOX, tray], "phases": [PICK, WALK, again, {**WALK, "name": "on"}]}, "t", robot=hexapod)
+    (problem,) = caught.value.problems
+    assert (problem.key, problem.found) == ("phases.2.object", "tray while box is held")
 
 
 @pytest.mark.parametrize(

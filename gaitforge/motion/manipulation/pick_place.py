@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.errors import UnsolvedError
+from gaitforge.errors import InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.given import stand_pattern
 from gaitforge.footfall.margin import support_margins
 from gaitforge.motion.manipulation.box_gap import box_gap
@@ -177,7 +177,7 @@ def _level(robot: RobotModel, carried: Carried, rest: State) -> Array:
     """(6,) the level base pose to reach from, feet where they are at `rest`, as near to it as balance allows.
 
     With the limbs ready, with the limbs at the box and with the box in the grasp the centre of mass is to be
-    `AMPLE` inside the feet; where no place has that much, the best one is taken.
+    `AMPLE` inside the feet; where no place that the feet reach from has that much, the best one is taken.
     """
     pose = np.array([0.0, 0.0, carried.reach_height, 0.0, 0.0, rest.base[5]])
     free, grasped, ready = rest.joints.copy(), rest.joints.copy(), carried.ready(carried.grasped)
@@ -195,9 +195,22 @@ def _level(robot: RobotModel, carried: Carried, rest: State) -> Array:
     shifts = shifts[np.argsort(np.linalg.norm(shifts, axis=1), kind="stable")]
     places = (rest.base[:2] + shifts)[:, None] + points
     margins = support_margins(feet, stance[None], places.reshape(-1, 2))[0].reshape(-1, len(points)).min(axis=1)
-    good = np.flatnonzero(margins >= min(AMPLE, margins.max()))
-    pose[:2] = rest.base[:2] + shifts[good[0]]
+    best = np.argsort(-np.minimum(margins, AMPLE), kind="stable")
+    reached = (k for k in best if _reached(robot, rest, np.array([*(rest.base[:2] + shifts[k]), *pose[2:]])))
+    pose[:2] = rest.base[:2] + shifts[next(reached, best[0])]
     return pose
+
+
+def _reached(robot: RobotModel, rest: State, pose: Array) -> bool:
+    """Do the feet stay where they are at `rest` when the base goes to `pose` (6,)?"""
+    standing = _standing(robot, rest)
+    try:
+        for limb in robot.limbs:
+            if limb.name in standing:
+                standing_joints(robot, limb, np.array([rest.base, pose]), rest.joints[robot.joint_indices(limb)], False)
+    except InfeasibleMotion:
+        return False
+    return True
 
 
 def _standing(robot: RobotModel, rest: State) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from gaitforge.motion.costs.pace import Pace
 from gaitforge.motion.costs.smoothness import Smoothness
+from gaitforge.motion.manipulation.ends import Facing
 from gaitforge.motion.options import MotionOptions
 from gaitforge.robot.model import RobotModel
 
@@ -23,4 +24,4 @@ def steadied(options: MotionOptions, robot: RobotModel) -> MotionOptions:
     height = HIGHER * robot.nominal.step_height if options.step_height is None else options.step_height
     slow = options.changed(Smoothness, lambda cost: replace(cost, position=STEADY * cost.position))
     paced = slow.costs if any(isinstance(cost, Pace) for cost in slow.costs) else (*slow.costs, PACE)
-    return replace(slow, costs=paced, step_height=height)
+    return replace(slow, constraints=(*slow.constraints, Facing()), costs=paced, step_height=height)

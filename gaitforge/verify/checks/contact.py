@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 from gaitforge.verify.checks.base import Finding, Rows, Segment, SegmentCheck
 from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.feet import CONTACT_N
+from gaitforge.verify.grasps import leaning_rows
 from gaitforge.verify.limp import limp_feet
 from gaitforge.verify.support import bridged, static_margin
 
 Array = NDArray[np.float64]
+TOUCHES_M = 0.0005
+"""[m] above the ground up to which a foot touches it"""
 
 
 def slip_per_stance(slip_speed: Array, planned: NDArray[np.bool_], dt: float) -> float:
@@ -87,7 +90,8 @@ class StaticMargin(SegmentCheck):
     a margin counts once it has lasted `margin_hold_s`.
 
     Tips on a load that stands on something support nothing, and the load counts from when it is lifted
-    (`grasps.laden_com`): a robot that leans on what it holds has a margin below zero.
+    (`grasps.laden_com`): a robot that leans on what it holds has a margin below zero.  As if the load gave way,
+    a foot in its planned stance counts then, too, that touches the ground and whose weight the tips have taken.
 
     Where a plan says that nothing balances the robot at first (`MotionPlan.unbalanced_s`: a leg that bore it is gone),
     it is judged from then on; `Unsupported` says for how long it was without a margin.
@@ -129,7 +133,15 @@ def bridged_margin(segment: Segment, rows: Rows) -> Array:
     height = float(np.median(trace.com[rows, 2]))
     steps = int(np.sqrt(max(height, 0.0) / GRAVITY) / segment.dt)
     bears = (trace.normal_force > CONTACT_N) & ~limp_feet(segment.timeline, trace.plan.segment)
-    return static_margin(trace.com[rows, :2], trace.contact_points[rows, :, :2], bridged(bears, steps)[rows])
+    holds = bridged(bears, steps) | _would_bear(segment)
+    return static_margin(trace.com[rows, :2], trace.contact_points[rows, :, :2], holds[rows])
+
+
+def _would_bear(segment: Segment) -> NDArray[np.bool_]:
+    """(n, n_F) feet in their planned stance that touch the ground while tips may have taken their weight."""
+    trace, radii = segment.trace, np.array([limb.foot.radius for limb in segment.robot.limbs])
+    touches = trace.plan.contact & (trace.feet[:, :, 2] - radii < TOUCHES_M)
+    return np.asarray(touches & leaning_rows(segment.timeline, trace.plan, trace.objects)[:, None])
 
 
 def lasting_minimum(values: Array, hold: int) -> float:
