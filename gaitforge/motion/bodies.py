@@ -16,8 +16,6 @@ from gaitforge.robot.model import RobotModel
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 BASE = -1
-JOINED_M = 0.005
-"""[m] first bodies of two limbs that are nearer than this in the nominal posture are housings beside each other"""
 CROSSED = 0.3
 """Axes nearer to each other than this share of the radii cross: they have no side on which they could part"""
 
@@ -160,10 +158,10 @@ def closest_pairs(
 
 
 def housings(robot: RobotModel) -> frozenset[tuple[LimbCapsule, LimbCapsule]]:
-    """Pairs of first bodies of two limbs that meet where the robot stands: hips side by side, drawn wide."""
+    """Pairs of first bodies of two limbs that overlap where the robot stands: hips side by side, drawn wide."""
     if robot not in _housings:
         poses = evaluate_limbs(robot, np.array(robot.nominal.posture, dtype=float)[None])
-        met = closest_pairs(limb_capsules(robot), poses, JOINED_M)
+        met = closest_pairs(limb_capsules(robot), poses, 0.0)
         _housings[robot] = frozenset((c.first, c.second) for c in met if c.first.joint == c.second.joint == 0)
     return _housings[robot]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,8 @@ class DenseReport:
     trunk_height: float
     """[m] lowest that a corner of the trunk comes"""
     close: tuple[Closest, ...]
+    ignored: tuple[tuple[str, str], ...]
+    """Names of bodies that overlap in the nominal posture, and are not kept apart (`housings`)"""
     """Bodies nearer to each other than the margin asked for, about each sample: limbs to limbs and to the trunk"""
 
     @property
@@ -44,7 +47,7 @@ class DenseReport:
         """[m] smallest gap among `close` (inf when nothing is close)."""
         return min((c.gap for c in self.close), default=float("inf"))
 
-    def as_dict(self) -> dict[str, float]:
+    def as_dict(self) -> dict[str, Any]:
         """For the summary: plain numbers."""
         return {
             "speed_ratio": float(self.speed_ratio.max()),
@@ -54,6 +57,7 @@ class DenseReport:
             "slip_m": self.slip,
             "swing_clearance_m": self.swing_clearance,
             "gap_m": self.gap,
+            "ignored_bodies": [list(pair) for pair in self.ignored],
             "trunk_height_m": self.trunk_height,
         }
 
@@ -80,6 +84,7 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
         swing_clearance=clear,
         trunk_height=trunk_height(robot, base),
         close=tuple(close),
+        ignored=tuple(sorted((a.name, b.name) for a, b in beside)),
     )
 
 

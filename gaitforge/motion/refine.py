@@ -80,8 +80,7 @@ def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
             remedies.move_to(finer, segment.grid.samples_per_column)
             segment, start = segment.on_grid(finer), None
     raise UnsolvedError(
-        f"{segment.name}: after {bound} the spline still misses a bound: "
-        + ", ".join(m.text for m in missed),
+        f"{segment.name}: after {bound} the spline still misses a bound: " + ", ".join(m.text for m in missed),
         {"segment": segment.name, **as_explain(causes_of_misses(missed)), **report.as_dict()},
     )
 

@@ -70,7 +70,7 @@ class Remedies:
     @property
     def work(self) -> float:
         """Iterations so far, one on a finer grid counted as many times as there are more variables."""
-        return sum(e["iterations"] * e["variables"] for e in self.log) / self.log[0]["variables"]
+        return float(sum(e["iterations"] * e["variables"] for e in self.log) / self.log[0]["variables"])
 
     def move_to(self, finer: int, before: int) -> None:
         """Ask for the same clearances at the nearest samples of another grid, given in samples a column."""

@@ -26,6 +26,8 @@ def least_strain(robot: RobotModel, plan: MotionPlan, friction: float = FRICTION
     worst = 0.0
     for k, column in enumerate(columns):
         feet = np.flatnonzero(plan.pattern.contact[:, column]).tolist()
+        if not feet:
+            return float("inf")
         gravity, pushes = _equilibrium(robot, plan, k, feet)
         worst = max(worst, _least(gravity, pushes, robot.effort, _driven(robot, plan), friction))
     return worst

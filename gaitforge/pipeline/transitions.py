@@ -45,7 +45,8 @@ def plan_change(
     )
     found: list[_Found] = []
     first: Try | None = None
-    while len(found) <= SECOND_LOOKS and (batch := list(islice(tries, options.search.transition_batch))):
+    looks = 0
+    while looks <= SECOND_LOOKS and (batch := list(islice(tries, options.search.transition_batch))):
         first = first or batch[0]
         with watch.stage("motion"):
             results = workers.run(batch)
@@ -56,6 +57,7 @@ def plan_change(
         found += [_Found.of(robot, r.what, plan, r.seconds) for r in results if plan is not None and r.plan is plan]
         if plan is not None and found[-1].sound:
             break
+        looks += bool(found)
     if found:
         return _soundest(name, found, attempts, watch)
     with watch.stage("motion"):

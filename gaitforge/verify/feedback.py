@@ -44,12 +44,13 @@ class AimFeedback:
 
     def positions(self, row: int) -> Array:
         """(n_J,) what is commanded in the step after `row` [rad]."""
-        if self._aims and self._plan.times[row] >= self._due - 1e-9:
-            self._due += self._pause
-            self._offset[:] = 0.0
-            for aim, active in zip(self._aims, self._active, strict=True):
-                if active[row]:
-                    self._correct(aim, self._plan.joint_positions[row])
+        due = bool(self._aims) and self._plan.times[row] >= self._due - 1e-9
+        self._due += self._pause if due else 0.0
+        for aim, active in zip(self._aims, self._active, strict=True):
+            if not active[row]:
+                self._offset[self._robot.joint_indices(self._robot.limb(aim.limb))] = 0.0
+            elif due:
+                self._correct(aim, self._plan.joint_positions[row])
         return np.asarray(self._plan.joint_positions[row] + self._offset)
 
     def _correct(self, aim: Aim, planned: Array) -> None:

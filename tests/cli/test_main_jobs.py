@@ -67,6 +67,20 @@ def test_a_hexapod_frees_a_limb_while_it_walks(gaitforge: Run) -> None:
     assert np.abs(move[:, -1] - after[:, 0]).max() <= 1e-6
 
 
+def test_a_dodecapod_carries_a_package_and_points_its_camera_at_the_pipe_while_nine_limbs_walk(gaitforge: Run) -> None:
+    """The main job of the README."""
+    finished = gaitforge("robot=dodecapod", "task=camera_leg")
+    assert finished.code == 0, finished.out + finished.err
+    (file,) = finished.folder.glob("outputs/*/*/*/summary.json")
+    summary = json.loads(file.read_text())
+    assert summary["status"] == "verified"
+    gaits = [s for s in summary["segments"] if s["kind"] == "gait"]
+    assert [len(s["limbs_locomotive"]) for s in gaits] == [10, 9]
+    checks = {(c["name"], c["segment"]): c["value"] for c in summary["checks"]}
+    assert checks["camera_pointing", "inspect"] <= 2.5
+    assert {"load_place", "load_angle"} <= {name for name, _ in checks}
+
+
 def test_a_dodecapod_points_its_camera_at_the_pipe_while_eleven_limbs_walk(gaitforge: Run) -> None:
     _, summary = verified(gaitforge("robot=dodecapod", "task=camera_only"), "gait", "transition", "gait")
     assert len(summary["segments"][3]["limbs_locomotive"]) == 11

@@ -73,6 +73,10 @@ def test_a_robot_that_would_tip_over_is_unsolved_and_the_error_says_who_resists(
     assert any(name in explain["where"] for name in hexapod.limb_names)
     assert explain["value"] > 1e-5
     assert all(word in message for word in ("lean", explain["text"]))
+    tipping = [c for c in explain["causes"] if c["family"] == "balance"]
+    assert tipping
+    assert tipping[0]["by"] > 1e-3
+    assert set(tipping[0]["limb"].split("+")) <= {"R1", "R2", "R3"}
     assert refusal.value.exit_code == 5
     assert explain["advice"]
 

@@ -21,6 +21,8 @@ DEFINITIONS = ("center_of_mass",)
 """Rows that define a variable rather than ask for something"""
 PRICE = {"m": 1e3, "rad": 2e2, "m²": 5e3, "1": 2e2}
 """ρ per unit: about one for what is noticed, a millimetre or a third of a degree"""
+DEARER = {"rolling": 5.0}
+"""Families that give way last: any motion becomes possible where feet may slip, which explains nothing"""
 NOTICED = 0.3
 """Price from which on a violation is told"""
 
@@ -65,7 +67,7 @@ class Elastic:
 
 
 def _price(block: Rows) -> float:
-    return PRICE.get(block.unit, PRICE["1"])
+    return PRICE.get(block.unit, PRICE["1"]) * DEARER.get(block.family, 1.0)
 
 
 def _component(block: Rows, row: int) -> int:

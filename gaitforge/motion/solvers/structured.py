@@ -59,7 +59,7 @@ class Structured:
         return replace(found, seconds=time.perf_counter() - begin)
 
     def nearest(self, problem: Problem, iterations: int = NEAREST[-1]) -> Solution:
-        """The point that violates the problem least, with `violations` (none: it is feasible); solved when it is that."""
+        """The point that violates the problem least, with `violations` (none: it is feasible)."""
         relaxed = relax(problem)
         easy = replace(self, max_iterations=iterations, patience=iterations, tolerance=1e-4, gap=1e-3)
         near = easy._solve(relaxed.problem, None)

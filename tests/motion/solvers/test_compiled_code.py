@@ -188,6 +188,15 @@ def test_a_compiler_that_fails_is_as_good_as_none(monkeypatch: pytest.MonkeyPatc
     assert not list(tmp_path.rglob("*.so"))
 
 
+def test_a_user_without_a_home_has_no_compiled_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    def nowhere() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", nowhere)
+    assert native.compiled("eight", "int eight(void) { return 8; }", "-O1") is None
+
+
 @needs_compiler
 def test_many_may_compile_at_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))

@@ -203,6 +203,20 @@ def test_a_problem_without_a_feasible_point_says_what_is_in_the_way_and_the_fall
     assert abs((failed.violations or ())[0].amount) == pytest.approx(1.0, abs=1e-3)
 
 
+def test_a_failure_of_a_problem_without_rows_is_a_failure() -> None:
+    failed = Structured(max_iterations=0, fallback=None).solve(bounded_only())
+    assert not failed.solved
+    assert failed.violations == []
+
+
+def bounded_only() -> Problem:
+    problem = Problem()
+    x = problem.add_variables([9.0, 3.0], [-10.0, -10.0], [10.0, 10.0])
+    build = kernel("bounded_only", 2, 0, lambda v, p: (v[0] ** 2 + v[1] - 11) ** 2 + (v[0] + v[1] ** 2 - 7) ** 2)
+    problem.add_term("f", build, x[None], np.zeros(0))
+    return problem
+
+
 def test_a_fixed_variable_stays_at_its_bound() -> None:
     problem = Problem()
     x = problem.add_variables([9.0, 3.0], [2.0, -INF], [2.0, INF])
