@@ -16,6 +16,8 @@ NEAREST = (40, 100)
 """Iterations towards the least violated point: near is near enough as a rule, and an answer is wanted soon"""
 FEW = 60
 """Rows in the way of a point that is worth the second number of iterations"""
+DOUBTFUL = 5
+"""Rows in the way of a point that is so near to a solution that another method may find one"""
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class Structured:
     restoration: bool = True
     """After a failure, begin again where the problem is violated least; that point says who is in the way"""
     fallback: MotionSolver | None = field(default_factory=Ipopt)
-    """Asked when restoration fails although nothing was in the way (at once without it); None: failures stand"""
+    """Asked when restoration fails although next to nothing is in the way (at once without it); None: failures stand"""
 
     def solve(self, problem: Problem, start: Start = None) -> Solution:
         """Solve from `start` (the problem's own guess when None)."""
@@ -51,7 +53,7 @@ class Structured:
         found = self._solve(problem, start)
         if not found.solved and self.restoration:
             found = self._restored(problem, found)
-        if not found.solved and self.fallback is not None and not found.violations:
+        if not found.solved and self.fallback is not None and len(found.violations or ()) <= DOUBTFUL:
             other = self.fallback.solve(problem, start)
             status = f"{other.status} (structured: {found.status})"
             spent = found.iterations + other.iterations

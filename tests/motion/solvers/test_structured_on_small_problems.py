@@ -147,11 +147,14 @@ def test_negative_pivots_are_the_negative_eigenvalues() -> None:
         assert full @ factor.solve(right) == pytest.approx(right, abs=1e-6)
 
 
-def impossible() -> Problem:
+def impossible(times: int = 1) -> Problem:
+    """x² ≤ −1, as often as asked, and x + y = 1."""
     problem = Problem()
     x = problem.add_variables([1.0, 0.5], -INF, INF)
-    rows = problem.add_rows("square", -INF, -1.0, (1, 1), "m²", ["everywhere"])
-    problem.add_term("square", kernel("impossible", 1, 0, lambda v, p: v[0] ** 2), x[:1, None], np.zeros(0), rows)
+    square = kernel("impossible", 1, 0, lambda v, p: v[0] ** 2)
+    for _ in range(times):
+        rows = problem.add_rows("square", -INF, -1.0, (1, 1), "m²", ["everywhere"])
+        problem.add_term("square", square, x[:1, None], np.zeros(0), rows)
     fine = problem.add_rows("sum", 1.0, 1.0, (1, 1), "m", ["here"])
     problem.add_term("sum", kernel("possible", 2, 0, lambda v, p: v[0] + v[1]), x[None], np.zeros(0), fine)
     return problem
@@ -194,12 +197,15 @@ def test_the_fallback_is_asked_after_a_failure_only() -> None:
     assert tired.iterations > 2
 
 
-def test_a_problem_without_a_feasible_point_says_what_is_in_the_way_and_the_fallback_is_not_asked() -> None:
+@pytest.mark.parametrize(("times", "asked"), [(1, 1), (6, 0)])
+def test_a_failure_says_what_is_in_the_way_and_the_fallback_is_asked_where_that_is_little(
+    times: int, asked: int
+) -> None:
     recorder = Recorder()
-    failed = Structured(fallback=recorder).solve(impossible())
+    failed = Structured(fallback=recorder).solve(impossible(times))
     assert not failed.solved
-    assert recorder.asked == 0
-    assert [(v.family, v.label) for v in failed.violations or ()] == [("square", "everywhere")]
+    assert recorder.asked == asked
+    assert [(v.family, v.label) for v in failed.violations or ()] == times * [("square", "everywhere")]
     assert abs((failed.violations or ())[0].amount) == pytest.approx(1.0, abs=1e-3)
 
 
