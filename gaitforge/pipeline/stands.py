@@ -1,4 +1,4 @@
-"""Starts and stops of a run, with more time where the usual one does not do."""
+"""Starts and stops of a run, with more time, or less, where the usual one does not do."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 
-STRETCHES = (1.0, 1.6, 2.4)
-"""Factors on the time of a stand, tried in this order."""
+STRETCHES = (1.0, 1.6, 2.4, 0.6, 0.25)
+"""Factors on the time of a stand, tried in this order: more of it for slower joints, less of it for a shorter way, where
+a limb that is locked stands in that of its neighbour"""
 
 
 def plan_stand(
