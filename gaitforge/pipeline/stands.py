@@ -12,8 +12,8 @@ from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 
 STRETCHES = (1.0, 1.6, 2.4, 0.6, 0.25)
-"""Factors on the time of a stand, tried in this order: more of it for slower joints, less of it for a shorter way, where
-a limb that is locked stands in that of its neighbour"""
+"""Factors on the time of a stand, tried in this order: more of it for slower joints, less of it for a shorter way,
+where a limb that is locked stands in that of its neighbour"""
 
 
 def plan_stand(
