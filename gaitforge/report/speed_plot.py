@@ -27,8 +27,8 @@ def speed_png(verdict: Verdict) -> bytes:
     trace, timeline = verdict.trace, verdict.timeline
     direction = travel_direction(timeline, trace)
     column, cycle = column_seconds(timeline, trace), cycle_seconds(timeline, trace)
-    figure = new_figure(9.0, 3.6)
-    axes = figure.add_axes((0.07, 0.14, 0.88, 0.62))
+    figure = new_figure(9.0, 3.8)
+    axes = figure.add_axes((0.07, 0.2, 0.88, 0.55))
     for poses, color, label, thin, thick in (  # the plan is drawn wider: a good run hides it otherwise
         (trace.plan.base_poses, PLANNED, "planned", 1.6, 5.0),
         (trace.base_poses, SIMULATED, f"simulated ({verdict.simulator})", 0.7, 1.6),
@@ -45,7 +45,7 @@ def speed_png(verdict: Verdict) -> bytes:
     axes.tick_params(labelsize=7, colors=INK)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    figure.legend(*axes.get_legend_handles_labels(), loc="upper center", ncols=4, fontsize=7, frameon=False)
+    figure.legend(*axes.get_legend_handles_labels(), loc="lower center", ncols=4, fontsize=7, frameon=False)
     return png(figure)
 
 
