@@ -51,7 +51,8 @@ def _run(node: DictConfig, allow: Sequence[str], folder: Path, task_name: str, s
     from gaitforge.cli.options import options
     from gaitforge.cli.terminal import Narrator, summary_text
     from gaitforge.config import plain
-    from gaitforge.pipeline.run import Run, run_task
+    from gaitforge.pipeline.run import Run
+    from gaitforge.pipeline.run_task import run_task
     from gaitforge.pipeline.stopwatch import Stopwatch
     from gaitforge.robot.load import load_robot
     from gaitforge.task.load import load_task

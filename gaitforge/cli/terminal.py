@@ -12,7 +12,7 @@ from gaitforge.cli.interrupt import stop_if_requested
 if TYPE_CHECKING:
     from gaitforge.cli.outcome import JobOutcome
     from gaitforge.experiment.results import Outcome
-    from gaitforge.pipeline.outcome import RunOutcome
+    from gaitforge.pipeline.run import RunOutcome
     from gaitforge.report.results_page import Column
     from gaitforge.robot.model import RobotModel
 

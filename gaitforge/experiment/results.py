@@ -10,7 +10,7 @@ from typing import Any
 
 from gaitforge.experiment.experiment import Experiment
 from gaitforge.pipeline.manifest import git_commit, versions
-from gaitforge.pipeline.outcome import EXIT_CODES
+from gaitforge.pipeline.run import EXIT_CODES
 from gaitforge.record.files import write_bytes, write_json, write_text
 from gaitforge.report.results_page import results_page
 from gaitforge.report.summary import plain

@@ -16,8 +16,8 @@ from gaitforge.motion.aim import aim_joints
 from gaitforge.motion.duration import load_of, shortest
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan, Stance
-from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
+from gaitforge.motion.solve import solve_segment
 from gaitforge.motion.stance import Posture, commanded_stance
 from gaitforge.motion.strength import refuse_weak_modules
 from gaitforge.motion.trajectory import Discretisation, Guess, planar_motion
@@ -89,7 +89,7 @@ def plan_gait(
         refuse_grounded_trunk(robot, grid, options)
         refuse_weak_modules(robot, grid, options)
         segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, stance, fixed), named)
-        return solve_refined(segment, options)
+        return solve_segment(segment, options)
 
     if duration == "auto":
         return shortest(nominal.duration, plan_at, partial(load_of, options))

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.plan import Command, MotionPlan, SolveReport
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.report import SolveReport
 from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,11 +13,9 @@ from scipy.interpolate import CubicSpline
 
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.manipulation.holding import Holding
+from gaitforge.motion.report import SolveReport
 from gaitforge.robot.payload import Load
 from gaitforge.task.roles import Failed, Role
-
-if TYPE_CHECKING:
-    from gaitforge.motion.table import TableRow
 
 Array = NDArray[np.float64]
 Kind = Literal["gait", "transition", "stand"]
@@ -51,22 +49,6 @@ class Stance:
     """(3,) height [m], roll, pitch [rad] of base_link"""
     joints: Array
     """(n_J,) [rad] of limbs that walk"""
-
-
-@dataclass(frozen=True)
-class SolveReport:
-    """What the solver did."""
-
-    status: str = ""
-    iterations: int = 0
-    seconds: float = 0.0
-    """[s] building and solving"""
-    cost: float = 0.0
-    residual: float = 0.0
-    """Largest constraint violation at the solution (SI units)."""
-    details: Mapping[str, Any] = field(default_factory=dict)
-    table: tuple[TableRow, ...] = ()
-    """What the problem consisted of, when asked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +90,7 @@ class MotionPlan:
     """(2, 6) the same for the base"""
     unbalanced_s: float = 0.0
     """[s] from its start in which nothing keeps the robot from tipping: a leg that bore it is gone, others land"""
-    report: SolveReport = SolveReport()
+    report: SolveReport = field(default_factory=SolveReport)
     relaxed: tuple[str, ...] = ()
 
     @property

@@ -27,21 +27,9 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
 
     Joint speeds, position limits and clearance are answered with rows and bounds, feet that the spline pushes
     into the ground or drags with a finer grid, and a problem without a solution with the next smaller
-    stability share; the plan's `relaxed` and report say which.  A failure says who is in the way, and, where
-    that is asked for (`options.explain`), what would help.
+    stability share; the plan's `relaxed` and report say which.  The failure is that of the last share, and says
+    who is in the way.
     """
-    try:
-        return _over_shares(segment, options)
-    except UnsolvedError as failure:
-        if not options.explain:
-            raise
-        from gaitforge.motion.explain import explained
-
-        raise explained(segment, options, failure) from None
-
-
-def _over_shares(segment: Segment, options: MotionOptions) -> MotionPlan:
-    """The plan of the first stability share that has one, else the failure of the last."""
     failure: UnsolvedError | None = None
     for share in options.stability_shares:
         try:

@@ -15,7 +15,7 @@ from gaitforge.motion.constraints.trunk_height import TrunkHeight
 from gaitforge.motion.dense import DenseReport
 from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
-from gaitforge.motion.plan import SolveReport
+from gaitforge.motion.report import SolveReport
 from gaitforge.motion.segment import Segment
 from gaitforge.motion.trunk import trunk_corners
 

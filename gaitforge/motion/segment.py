@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from gaitforge.motion.family import Family
 from gaitforge.motion.layout import lay_out
 from gaitforge.motion.options import MotionOptions
-from gaitforge.motion.plan import Command, Kind, MotionPlan, SolveReport
+from gaitforge.motion.plan import Command, Kind, MotionPlan
 from gaitforge.motion.problem import Problem
+from gaitforge.motion.report import SolveReport
 from gaitforge.motion.solvers.solution import Solution, Start
 from gaitforge.motion.trajectory import Discretisation, Guess, Trajectory, planar_motion
 from gaitforge.robot.kinematics import feet_in_world

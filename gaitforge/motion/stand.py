@@ -14,8 +14,8 @@ from gaitforge.motion.constraints.progress import Progress
 from gaitforge.motion.costs.smoothness import Smoothness
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
-from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment, step_height
+from gaitforge.motion.solve import solve_segment
 from gaitforge.motion.state import gait_state, rest_state
 from gaitforge.motion.trajectory import Boundary, Discretisation, Guess
 from gaitforge.robot.model import RobotModel
@@ -65,7 +65,7 @@ def _plan(robot: RobotModel, gait: MotionPlan, name: str, options: MotionOptions
     # a steady acceleration: with a gait's light weight on it the body goes ahead, waits and goes again
     steady = options.changed(Smoothness, lambda cost: replace(cost, position=STEADY * cost.position))
     steady = steady.changed(Progress, lambda family: replace(family, share=PROGRESS))
-    return solve_refined(segment, steady)
+    return solve_segment(segment, steady)
 
 
 def _guess(robot: RobotModel, moving: Boundary, grid: Discretisation) -> Guess:

@@ -3,42 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.motion.family import Family
 from gaitforge.motion.problem import Problem
+from gaitforge.motion.report import TableRow
 
 Array = NDArray[np.float64]
 ACTIVE = 1e-6
 """[SI] a row or bound this near to its limit, or beyond it, is active"""
-
-
-@dataclass(frozen=True)
-class TableRow:
-    """One family of a problem."""
-
-    family: str
-    kind: Literal["constraint", "cost", "bound"]
-    rows: int
-    """0 for a cost"""
-    variables: int
-    """How many variables it reads."""
-    instances: int
-    """How many places it speaks of."""
-    active: float | None
-    """Share of its rows that lie at a bound; equalities always do.  None for a cost."""
-    cost: float | None
-    """Value at the solution; None for a constraint."""
-    enforced: str
-    """Where it holds, and so where it does not."""
-
-    def as_dict(self) -> dict[str, Any]:
-        """For ``summary.json``."""
-        return asdict(self)
 
 
 def problem_table(problem: Problem, x: Array, families: Iterable[Family] = ()) -> tuple[TableRow, ...]:

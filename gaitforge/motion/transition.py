@@ -14,8 +14,8 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.interpolate import interpolate
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
-from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
+from gaitforge.motion.solve import solve_segment
 from gaitforge.motion.state import end_state, gait_state
 from gaitforge.motion.trajectory import Boundary, Discretisation, Guess, planar_motion
 from gaitforge.robot.model import RobotModel
@@ -71,7 +71,7 @@ def plan_transition(
     named = dict(after.roles) if roles is None else {robot.limb(n).name: r for n, r in roles.items()}
     if before.kind == "gait" and int(pattern.contact.sum(axis=0).min()) <= FEW_FEET:
         options = replace(options, ground_tolerance=min(options.ground_tolerance, options.change_tolerance))
-    return solve_refined(Segment(name, "transition", robot, grid, moving, start.joints, guess, named), options)
+    return solve_segment(Segment(name, "transition", robot, grid, moving, start.joints, guess, named), options)
 
 
 def mean_command(a: Command, b: Command) -> Command:

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gaitforge.pipeline.manifest import config_hash, manifest
+from gaitforge.pipeline.run import Run
 from gaitforge.record.files import write_bytes, write_json, write_text
 
 if TYPE_CHECKING:
     from gaitforge.motion.timeline import Timeline
-    from gaitforge.pipeline.run import Run
     from gaitforge.robot.model import RobotModel
     from gaitforge.verify.verdict import Verdict
 

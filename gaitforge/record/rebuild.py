@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.plan import MotionPlan, SolveReport
+from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.report import SolveReport
 from gaitforge.motion.timeline import Entry, Timeline
 from gaitforge.record.archive import Arrays, text
 from gaitforge.record.values import from_plain

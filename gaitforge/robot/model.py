@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.errors import InputError, Problem
 from gaitforge.robot.limbs import Limb, ToolMount
-from gaitforge.robot.payload import Load, laden_urdf
+from gaitforge.robot.payload import BODY, Load, laden_urdf
 from gaitforge.robot.rotation import matrices, quaternions
 
 if TYPE_CHECKING:
@@ -118,9 +118,23 @@ class RobotModel:
         if not loads:
             return empty
         if loads not in empty._laden:
-            urdf = laden_urdf(empty, loads)
+            urdf = laden_urdf(empty.urdf, [(load, *empty._carrier(load)) for load in loads])
             empty._laden[loads] = replace(empty, urdf=urdf, loads=loads, _empty=empty)
         return empty._laden[loads]
+
+    def _carrier(self, load: Load) -> tuple[str, Array]:
+        """The link that carries a load, and the load's centre of mass in the frame of that link (3,) [m]."""
+        point = np.array(load.point)
+        if load.frame == BODY:
+            return self.base_link, point
+        for tool in self.tools:
+            if tool.name == load.frame:
+                return tool.link, tool.T_link_tool[:3, :3] @ point + tool.T_link_tool[:3, 3]
+        for limb in self.limbs:
+            if limb.name == load.frame:
+                return limb.foot.link, point
+        known = (BODY, *self.limb_names, *(tool.name for tool in self.tools))
+        raise InputError(Problem(self.name, "load.frame", repr(load.frame), "one of " + ", ".join(known)))
 
     @cached_property
     def _laden(self) -> dict[tuple[Load, ...], RobotModel]:

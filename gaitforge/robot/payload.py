@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.errors import InputError, Problem
 from gaitforge.robot.geometry import Inertia, merged
-
-if TYPE_CHECKING:
-    from gaitforge.robot.model import RobotModel
+from gaitforge.robot.rotation import matrices
 
 Array = NDArray[np.float64]
 BODY = "body"
@@ -56,32 +53,19 @@ class Load:
         return {"mass_kg": self.mass, "point_m": list(self.point), "frame": self.frame}
 
 
-def laden_urdf(robot: RobotModel, loads: Sequence[Load]) -> str:
-    """The robot's URDF with the loads in the inertias of the links that carry them; InputError for unknown frames."""
+def laden_urdf(urdf: str, carried: Iterable[tuple[Load, str, Array]]) -> str:
+    """A robot's URDF with loads in the inertias of the links that carry them.
+
+    `carried`: each load, the link that carries it, and the load's centre of mass in that link's frame (3,) [m].
+    """
     import xml.etree.ElementTree as ET
 
-    root = ET.fromstring(robot.urdf)
+    root = ET.fromstring(urdf)
     links = {link.get("name"): link for link in root.findall("link")}
-    for load in loads:
-        name, point = _carrier(robot, load)
+    for load, name, point in carried:
         links[name] = _weighed(ET, links[name], Inertia(load.mass, point, load.inertia))
     ET.indent(root)
     return ET.tostring(root, encoding="unicode", xml_declaration=True)
-
-
-def _carrier(robot: RobotModel, load: Load) -> tuple[str, Array]:
-    """The link that carries a load, and the load's centre of mass in the frame of that link [m]."""
-    point = np.array(load.point)
-    if load.frame == BODY:
-        return robot.base_link, point
-    for tool in robot.tools:
-        if tool.name == load.frame:
-            return tool.link, tool.T_link_tool[:3, :3] @ point + tool.T_link_tool[:3, 3]
-    for limb in robot.limbs:
-        if limb.name == load.frame:
-            return limb.foot.link, point
-    known = (BODY, *robot.limb_names, *(tool.name for tool in robot.tools))
-    raise InputError(Problem(robot.name, "load.frame", repr(load.frame), "one of " + ", ".join(known)))
 
 
 def _weighed(ET: Any, link: Any, load: Inertia) -> Any:
@@ -107,7 +91,6 @@ def _text(value: Any) -> str:
 
 def _read(inertial: Any) -> Inertia:
     """An inertial element in the axes of its link."""
-    from gaitforge.robot.rotation import matrices
 
     def numbers(element: Any, key: str) -> Array:
         text = None if element is None else element.get(key)

@@ -11,7 +11,8 @@ import pytest
 import gaitforge as gf
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.problem import Problem, kernel
-from gaitforge.motion.table import TableRow, problem_table
+from gaitforge.motion.report import TableRow
+from gaitforge.motion.table import problem_table
 from gaitforge.report.summary import segment_entry
 from gaitforge.report.text import problem_text
 from gaitforge.robot.model import RobotModel

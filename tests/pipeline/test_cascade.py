@@ -11,7 +11,8 @@ import pytest
 from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.synthesis import gait_pattern_candidates
-from gaitforge.motion.plan import Command, MotionPlan, SolveReport
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.report import SolveReport
 from gaitforge.pipeline.gaits import plan_phase
 from gaitforge.pipeline.options import Options, Search
 from gaitforge.pipeline.schedule import plan_task

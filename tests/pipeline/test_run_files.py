@@ -11,7 +11,8 @@ import pytest
 from gaitforge.errors import InputError, SimulationError
 from gaitforge.pipeline.manifest import config_hash, manifest
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.run import Run, run_task
+from gaitforge.pipeline.run import Run
+from gaitforge.pipeline.run_task import run_task
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.record.recorder import McapRecorder
 from gaitforge.robot.load import load_robot

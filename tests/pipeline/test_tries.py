@@ -12,7 +12,8 @@ import pytest
 from gaitforge.errors import InfeasibleMotion, InputError, UnsolvedError
 from gaitforge.footfall.given import alternating
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.plan import Command, MotionPlan, SolveReport
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.report import SolveReport
 from gaitforge.pipeline.tries import Result, Try, Workers, attempt, cheapest, room_for_more
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.model import RobotModel

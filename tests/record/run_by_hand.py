@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.motion.plan import Command, MotionPlan, SolveReport
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.report import SolveReport
 from gaitforge.motion.timeline import Aim, Entry, Timeline
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Held

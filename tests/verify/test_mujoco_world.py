@@ -218,6 +218,32 @@ def test_a_squeeze_is_the_effort_that_the_timeline_allows(monkeypatch: pytest.Mo
     assert np.abs(squeezed.joint_torques).max() == pytest.approx(0.35)
 
 
+def test_a_robot_told_its_efforts_ahead_does_not_sag() -> None:
+    robot = walker(3)
+    timeline = timeline_of(robot, (stand_plan(robot, 0.3), 1))
+
+    def sag(share: float) -> float:
+        trace = MujocoSimulator(effort_feedforward=share).run(robot, timeline, Scene())
+        return float(np.abs(trace.joint_positions[-1] - trace.plan.joint_positions[-1]).max())
+
+    bare = sag(0.0)
+    assert bare > 0.0005  # [rad]
+    assert sag(0.5) == pytest.approx(0.5 * bare, rel=0.2)
+    assert sag(1.0) < 0.15 * bare
+
+
+def test_an_effort_ahead_is_no_more_than_the_module_gives(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = walker(3)
+    timeline = timeline_of(robot, (stand_plan(robot, 0.1), 1))
+
+    def much(*arguments: object) -> np.ndarray:
+        return np.full((len(planned_rows(timeline, 500.0).times), 18), 50.0)
+
+    monkeypatch.setattr("gaitforge.verify.mujoco.simulator.planned_efforts", much)
+    trace = MujocoSimulator(settle_s=0.0).run(robot, timeline, Scene())
+    assert np.abs(trace.joint_torques).max() == pytest.approx(7.0)
+
+
 def box_between_palms(friction: float) -> float:
     """Path [m] in half a second, downwards, of a box of 0.5 kg that two of 1 kg press between them with 10 N."""
     held = SceneObject("held", "box", (3.0, 0.0, 2.0), size=(0.1, 0.1, 0.1), mass=0.5)

@@ -17,8 +17,8 @@ from gaitforge.motion.constraints.locked import Locked
 from gaitforge.motion.constraints.off_ground import OffGround, Point
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
-from gaitforge.motion.refine import solve_refined
 from gaitforge.motion.segment import Segment
+from gaitforge.motion.solve import solve_segment
 from gaitforge.motion.state import end_state, rest_state
 from gaitforge.motion.trajectory import Boundary, Discretisation, Guess
 from gaitforge.robot.model import RobotModel
@@ -129,7 +129,7 @@ def _stand(
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     segment = Segment(name, "stand", robot, grid, walking, now.joints, partial(_guess, robot, now), dict(roles))
     low = 0.3 * (robot.nominal.step_height if options.step_height is None else options.step_height)
-    return solve_refined(
+    return solve_segment(
         segment,
         replace(options, step_height=low, stability_shares=SHARES, constraints=(*options.constraints, *families)),
     )

@@ -19,7 +19,8 @@ from gaitforge.motion.manipulation.box_gap import box_gap
 from gaitforge.motion.manipulation.grasp import Grasp, side_grasp
 from gaitforge.motion.manipulation.holding import Holding
 from gaitforge.motion.manipulation.standing import standing_joints
-from gaitforge.motion.plan import Command, MotionPlan, SolveReport
+from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.report import SolveReport
 from gaitforge.motion.trajectory import smooth_step
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.payload import Load

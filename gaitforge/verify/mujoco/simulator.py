@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.errors import InputError, Problem, SimulationError
+from gaitforge.motion.feedforward import planned_efforts
 from gaitforge.motion.timeline import Timeline, TimelineSamples
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene
@@ -30,10 +31,10 @@ class MujocoSimulator:
     """Rigid bodies with compliant contacts, and joint servos of finite stiffness within the modules' limits.
 
     The servo of a joint asks for the speed servo_rate (q* − q) + q̇*, at most the module's velocity, and
-    gives kv times what is missing of it, at most the module's effort: a position servo with
-    kp = effort / full_effort_error and kv = kp / servo_rate.  The law is PyBullet's, where servo_rate is
-    position_gain · rate_hz and kv as large as it needs to be.  Without the feed-forward of q̇* the
-    joints lag by 1 / servo_rate in both.
+    gives the planned effort τ* and kv times what is missing of that speed, at most the module's effort: a
+    position servo with kp = effort / full_effort_error and kv = kp / servo_rate.  The law is PyBullet's, where
+    servo_rate is position_gain · rate_hz and kv as large as it needs to be.  Without the feed-forward of q̇* the
+    joints lag by 1 / servo_rate in both; without that of τ* they sag by τ* / kp, which PyBullet's do not.
     """
 
     rate_hz: float = 500.0
@@ -46,6 +47,8 @@ class MujocoSimulator:
     """[1/s] share of a joint's error that its servo makes good in a second; PyBullet's 0.3 at 240 Hz"""
     velocity_feedforward: float = 1.0
     """[-] share of the planned joint speed that is commanded ahead"""
+    effort_feedforward: float = 1.0
+    """[-] share of the planned joint efforts (`planned_efforts`) that is commanded beside position and speed"""
     aim_feedback_hz: float = 0.0
     """[Hz] how often tool limbs are aimed again from the measured pose of the body; 0: from the planned one, once"""
     friction: float = 1.0
@@ -76,6 +79,7 @@ class MujocoSimulator:
         )
         other = (
             "velocity_feedforward",
+            "effort_feedforward",
             "friction",
             "torsional_friction",
             "limp_friction",
@@ -96,10 +100,11 @@ class MujocoSimulator:
         plan = planned_rows(timeline, self.rate_hz)
         with quiet():
             world = build_world(robot, scene, self.physics())
-            self._settle(world, robot, plan)
+            ahead = self.effort_feedforward * planned_efforts(robot, timeline, plan, self.rate_hz)
+            self._settle(world, robot, plan, ahead[0])
             recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
             feedback = AimFeedback(world, robot, timeline, plan, self.aim_feedback_hz)
-            self._walk(world, robot, plan, recorder, sight, feedback, progress)
+            self._walk(world, robot, plan, ahead, recorder, sight, feedback, progress)
         return assemble_trace(recorder.recording(plan.times, sight.free), plan, robot, timeline, scene)
 
     def physics(self) -> Physics:
@@ -116,12 +121,12 @@ class MujocoSimulator:
             impedance_ratio=self.impedance_ratio,
         )
 
-    def _settle(self, world: World, robot: RobotModel, plan: TimelineSamples) -> None:
+    def _settle(self, world: World, robot: RobotModel, plan: TimelineSamples, ahead: Array) -> None:
         """Spawn with the feet on the ground, and stand."""
         world.place_robot(spawn_pose(robot, plan), plan.joint_positions[0])
         still = np.zeros(len(robot.joint_names))
         for _ in range(round(self.settle_s * self.rate_hz)):
-            self._command(world, robot, plan.joint_positions[0], still, plan.efforts[0])
+            self._command(world, robot, plan.joint_positions[0], still, ahead, plan.efforts[0])
             world.mj.mj_step(world.model, world.data)
 
     def _walk(
@@ -129,6 +134,7 @@ class MujocoSimulator:
         world: World,
         robot: RobotModel,
         plan: TimelineSamples,
+        ahead: Array,
         recorder: Recorder,
         sight: SightLines,
         feedback: AimFeedback,
@@ -141,7 +147,7 @@ class MujocoSimulator:
         for row in range(rows):
             mj.mj_step1(model, data)
             sight.look(row)
-            self._command(world, robot, feedback.positions(row), speeds[row], plan.efforts[row])
+            self._command(world, robot, feedback.positions(row), speeds[row], ahead[row], plan.efforts[row])
             mj.mj_step2(model, data)
             recorder.step(row)
             recorder.state(row + 1)
@@ -149,11 +155,13 @@ class MujocoSimulator:
                 raise SimulationError(f"{robot.name}: MuJoCo, at {plan.times[row]:.3f} s: {complaint(mj, data)}")
             tell(progress, row + 1, rows)
 
-    def _command(self, world: World, robot: RobotModel, positions: Array, speeds: Array, efforts: Array) -> None:
-        """A servo takes a position; the one that asks for the wanted speed is put there."""
+    def _command(
+        self, world: World, robot: RobotModel, positions: Array, speeds: Array, ahead: Array, efforts: Array
+    ) -> None:
+        """A servo takes a position; the one that asks for the wanted speed and gives the effort ahead is put there."""
         q = world.data.qpos[world.positions]
         wanted = np.clip(self.servo_rate * (positions - q) + speeds, -robot.velocity, robot.velocity)
-        world.data.ctrl[:] = q + wanted / self.servo_rate
+        world.data.ctrl[:] = q + wanted / self.servo_rate + self.full_effort_error * ahead / robot.effort
         off = efforts == 0.0  # a motor that is off resists every motion with its friction
         world.data.ctrl[off], most = q[off], np.where(off, self.limp_friction, efforts)
         world.model.actuator_forcerange[:, 0], world.model.actuator_forcerange[:, 1] = -most, most
