@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Literal
 
@@ -23,8 +22,6 @@ from gaitforge.task.roles import Role
 
 Array = NDArray[np.float64]
 Method = Literal["optimise", "interpolate"]
-FEW_FEET = 4
-"""Feet in stance up to which a push of the ground is not shared by many, but rocks the robot over a diagonal"""
 
 
 def plan_transition(
@@ -69,8 +66,6 @@ def plan_transition(
     moving = _moving(robot, pattern, start, end)
     guess = partial(_guess, robot, start, end, travel)
     named = dict(after.roles) if roles is None else {robot.limb(n).name: r for n, r in roles.items()}
-    if before.kind == "gait" and int(pattern.contact.sum(axis=0).min()) <= FEW_FEET:
-        options = replace(options, ground_tolerance=min(options.ground_tolerance, options.change_tolerance))
     return solve_segment(Segment(name, "transition", robot, grid, moving, start.joints, guess, named), options)
 
 
