@@ -55,13 +55,10 @@ class LoadConf:
 
 
 @dataclass
-class PhaseConf:
-    """One phase of a task; null = the task's value, then the robot's nominal one."""
+class WalkConf:
+    """How a task, or one phase of it, walks; null = the task's value, then the robot's nominal one."""
 
-    name: str = MISSING
-    kind: str = "walk"
     cycles: int | None = None
-    roles: dict[str, Any] = field(default_factory=dict)
     gait: Any = None
     speed: float | None = None
     heading: float | None = None
@@ -74,8 +71,17 @@ class PhaseConf:
     duration: Any = None
     columns: int | None = None
     loads: list[LoadConf] | None = None
-    object: str | None = None
     limbs: list[str] | None = None
+
+
+@dataclass
+class PhaseConf(WalkConf):
+    """One phase of a task."""
+
+    name: str = MISSING
+    kind: str = "walk"
+    roles: dict[str, Any] = field(default_factory=dict)
+    object: str | None = None
     squeeze: float | None = None
     lift: float | None = None
     grip_height: float | None = None
@@ -88,25 +94,11 @@ class PhaseConf:
 
 
 @dataclass
-class TaskConf:
+class TaskConf(WalkConf):
     """Group ``task``."""
 
     scene: list[SceneObjectConf] = field(default_factory=list)
     phases: list[PhaseConf] = MISSING
-    cycles: int | None = None
-    gait: Any = None
-    speed: float | None = None
-    heading: float | None = None
-    yaw_rate: float | None = None
-    body_height: float | None = None
-    roll: float | None = None
-    pitch: float | None = None
-    step_height: float | None = None
-    posture: Any = None
-    duration: Any = None
-    columns: int | None = None
-    loads: list[LoadConf] | None = None
-    limbs: list[str] | None = None
     mode: str | None = None
     at: float | None = None
 
