@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any, Protocol
 
 import numpy as np
@@ -72,11 +71,6 @@ class View:
 def view_of(scene: Scene) -> View:
     """From behind, or from ahead where there is something to carry: the trunk would hide it."""
     return View(yaw_deg=145.0) if any(item.movable for item in scene.objects) else View()
-
-
-def can_draw() -> bool:
-    """Is there a renderer: PyBullet has no wheels for Python 3.12 on."""
-    return find_spec("pybullet") is not None
 
 
 def render(
