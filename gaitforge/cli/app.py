@@ -52,6 +52,7 @@ def _run(arguments: list[str]) -> int:
     if (before := sys.modules.get("gaitforge.cli.sweep")) is not None:  # not imported here: Hydra's plugins come first
         before.last_sweep.forget()
     arguments, allow = _allowed_packages(arguments)
+    arguments = _with_simulator(arguments)
     register({name: str(file) for name, file in robot_files().items()})
     outcomes: list[JobOutcome] = []
     with _hydra_environment(arguments):
@@ -128,6 +129,17 @@ def _allowed_packages(arguments: list[str]) -> tuple[list[str], tuple[str, ...]]
         else:
             rest.append(item)
     return rest, tuple(name for name in allow if name)
+
+
+def _with_simulator(arguments: list[str]) -> list[str]:
+    """MuJoCo where PyBullet is not installed and nobody asked for a simulator, nor for anything but a run."""
+    from gaitforge.verify.pybullet.client import has_pybullet
+
+    named = ("verify=", "experiment=", "-")
+    if has_pybullet() or any(item.startswith(named) and item not in ("-m", "--multirun") for item in arguments):
+        return arguments
+    _say("gaitforge: PyBullet is not installed (no wheels for Python 3.12 on), MuJoCo judges: verify=mujoco")
+    return [*arguments, "verify=mujoco"]
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Ctrl-C, also while a solver runs that keeps it to itself."""
+"""Ctrl-C and SIGTERM, also while a solver runs that keeps them to itself."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ def interruptible() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, _handle)
+    before = {number: signal.signal(number, _handle) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _handle(number: int, frame: FrameType | None) -> None:

@@ -93,7 +93,8 @@ class Pairs(Experiment):
     def picture(self, rows: Sequence[Row]) -> bytes | None:
         from gaitforge.report.change_plot import change_png
 
-        return change_png(rows) if rows else None
+        measured = [row for row in rows if row["measured"]]
+        return change_png(measured) if measured else None
 
 
 def _told(result: PlannedGait | Exception) -> str:

@@ -101,6 +101,9 @@ def _alone(call: Call) -> Any:
 
 
 def _begin() -> None:
-    """Before anything heavy is loaded: processes are the parallelism; Ctrl-C is the first process's business."""
+    """Before anything heavy is loaded: processes are the parallelism; Ctrl-C is the first process's business.
+
+    That one ends the others with SIGTERM when it is interrupted, or ended so itself.
+    """
     os.environ.update(dict.fromkeys(THREADS, "1"))
     signal.signal(signal.SIGINT, signal.SIG_IGN)

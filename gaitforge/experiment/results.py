@@ -56,7 +56,7 @@ def write_results(
         "git_commit": git_commit(Path(__file__).parents[1]),
         "versions": {"gaitforge": __version__, **versions()},
     })  # fmt: skip
-    drawn = experiment.picture([row for row in rows if row["measured"]])
+    drawn = experiment.picture(rows)
     if drawn is not None:
         write_bytes(folder / "results.png", drawn)
     page = results_page(results, experiment.columns, "results.png" if drawn is not None else None)

@@ -101,7 +101,7 @@ def swept(capsules: tuple[LimbCapsule, ...], poses: dict[int, LimbPoses]) -> tup
     """Ends a, b (C, n, 3) of the capsules in the base frame and their radii (C,) [m]."""
     times = len(next(iter(poses.values())).foot)
     out = np.empty((2, len(capsules), times, 3))
-    for limb, joint, members, points in _bodies(capsules):
+    for limb, joint, members, points in bodies_of(capsules):
         if limb != BASE:
             pose = poses[limb]
             turned = pose.turns[:, joint].reshape(-1, 3) @ points.T  # (3 n, ends)
@@ -109,11 +109,11 @@ def swept(capsules: tuple[LimbCapsule, ...], poses: dict[int, LimbPoses]) -> tup
         else:
             points = np.broadcast_to(points[:, None], (len(points), times, 3))
         out[:, members] = points.reshape(-1, 2, times, 3).swapaxes(0, 1)
-    return out[0], out[1], _radii(capsules)
+    return out[0], out[1], radii(capsules)
 
 
 @lru_cache(maxsize=16)
-def _bodies(capsules: tuple[LimbCapsule, ...]) -> tuple[tuple[int, int, Index, Array], ...]:
+def bodies_of(capsules: tuple[LimbCapsule, ...]) -> tuple[tuple[int, int, Index, Array], ...]:
     """Limb and joint of every body, which capsules it has, and both ends of each in its frame, one below the other."""
     members: dict[tuple[int, int], list[int]] = {}
     for i, c in enumerate(capsules):
@@ -125,10 +125,11 @@ def _bodies(capsules: tuple[LimbCapsule, ...]) -> tuple[tuple[int, int, Index, A
 
 
 @lru_cache(maxsize=16)
-def _radii(capsules: tuple[LimbCapsule, ...]) -> Array:
-    radii = np.array([c.radius for c in capsules])
-    radii.setflags(write=False)
-    return radii
+def radii(capsules: tuple[LimbCapsule, ...]) -> Array:
+    """(C,) [m]"""
+    found = np.array([c.radius for c in capsules])
+    found.setflags(write=False)
+    return found
 
 
 def closest_pairs(

@@ -105,6 +105,8 @@ def _words(segment: Segment, name: str, sample: int | None, violation: Violation
         return f"{name} come too near to each other", "another pattern, a wider posture, or shorter steps"
     if family == "trunk_height":
         return f"the trunk is {far} in the ground", "raise the body, or tilt it less"
+    if family == "limb_height":
+        return f"the limb {name} is {far} in the ground beside its foot", "another pattern, or a higher body"
     if family == "effort":
         return (
             f"a joint of {name} would need {abs(amount):.2f} of its effort limit more than is allowed",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.bodies import Closest, closest_pairs, housings, limb_capsules
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.shins import LowPoint, low_points
 from gaitforge.motion.trunk import closest_to_trunk, trunk_height
 from gaitforge.robot.kinematics import LimbPoses, evaluate_limbs
 from gaitforge.robot.model import RobotModel
@@ -38,9 +39,11 @@ class DenseReport:
     trunk_height: float
     """[m] lowest that a corner of the trunk comes"""
     close: tuple[Closest, ...]
+    """Bodies nearer to each other than the margin asked for, about each sample: limbs to limbs and to the trunk"""
     ignored: tuple[tuple[str, str], ...]
     """Names of bodies that overlap in the nominal posture, and are not kept apart (`housings`)"""
-    """Bodies nearer to each other than the margin asked for, about each sample: limbs to limbs and to the trunk"""
+    low: tuple[LowPoint, ...]
+    """Points of limbs, feet left out, that come lower than the margin"""
 
     @property
     def gap(self) -> float:
@@ -59,6 +62,7 @@ class DenseReport:
             "gap_m": self.gap,
             "ignored_bodies": [list(pair) for pair in self.ignored],
             "trunk_height_m": self.trunk_height,
+            "limb_height_m": min((p.height for p in self.low), default=float("inf")),
         }
 
 
@@ -86,6 +90,7 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
         trunk_height=trunk_height(robot, base),
         close=tuple(close),
         ignored=tuple(sorted((a.name, b.name) for a, b in beside)),
+        low=low_points(robot, poses, base, margin),
     )
 
 

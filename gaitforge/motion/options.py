@@ -40,6 +40,9 @@ class MotionOptions:
     ground_tolerance: float = 0.6e-3
     """[m] how deep the spline may push a foot below the ground between samples: stiff limbs answer by
     rocking on few feet and by sliding on many; a finer grid is the remedy"""
+    change_tolerance: float = 0.3e-3
+    """[m] the same in a transition between gaits where four feet or fewer ever hold the robot: pushed up by feet
+    that land, it rocks over a diagonal, and others lift before it is back"""
     slip_tolerance: float = 3e-3
     """[m] how far the spline may drag a foot in one stance; a finer grid is the remedy"""
     finest: int = 6

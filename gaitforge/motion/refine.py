@@ -21,6 +21,9 @@ from gaitforge.motion.solvers.solution import Solution
 from gaitforge.motion.solvers.structured import Structured
 from gaitforge.motion.zmp import zero_moment_point
 
+FEW_FEET = 4
+"""Feet in stance up to which a push of the ground is not shared by many, but rocks the robot over a diagonal"""
+
 
 def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     """A plan whose spline keeps its bounds between samples too; `UnsolvedError` when none was found.
@@ -30,6 +33,38 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     stability share; the plan's `relaxed` and report say which.  The failure is that of the last share, and says
     who is in the way.
     """
+    goal = _goal(segment, options)
+    try:
+        return _over_shares(segment, goal)
+    except UnsolvedError:
+        if goal is options:
+            raise
+        return _pushed(_over_shares(segment, options), goal.ground_tolerance)
+
+
+def _goal(segment: Segment, options: MotionOptions) -> MotionOptions:
+    """The options; for a transition between gaits that ever stands on few feet with its own tolerance of the ground."""
+    grid = segment.grid
+    walks = all(end is not None and end.base_velocity.any() for end in (grid.start, grid.end))
+    if not walks or int(grid.contact.sum(axis=1).min()) > FEW_FEET:
+        return options
+    return replace(options, ground_tolerance=min(options.ground_tolerance, options.change_tolerance))
+
+
+def _pushed(plan: MotionPlan, tolerance: float) -> MotionPlan:
+    """A plan that keeps its feet out of the ground as well as a gait does, with what it missed of the tolerance."""
+    deep = plan.report.details["penetration_m"]
+    report = replace(plan.report, details={**plan.report.details, "ground_tolerance_m": tolerance})
+    told = (_in_the_ground(deep),) if deep > tolerance else ()
+    return replace(plan, report=report, relaxed=tuple(dict.fromkeys((*plan.relaxed, *told))))
+
+
+def _in_the_ground(deep: float) -> str:
+    return f"feet {1e3 * deep:.1f} mm into the ground between samples"
+
+
+def _over_shares(segment: Segment, options: MotionOptions) -> MotionPlan:
+    """The plan of the first stability share that has one, else the failure of the last."""
     failure: UnsolvedError | None = None
     for share in options.stability_shares:
         try:
@@ -91,6 +126,7 @@ def _reported(
         "samples_per_column": plan.samples_per_column,
         "stability_share": options.stability_share,
         **report.as_dict(),
+        "ground_tolerance_m": options.ground_tolerance,
         "zmp_margin_m": float(pressure.margin.min()),
         "cop_margin_m": float(pressure.cop_margin.min()),
         "effort_ratio": max(efforts.values()),
@@ -108,7 +144,7 @@ def _relaxed(
     """What the spline does not keep and refinement has no answer to, in words."""
     told = []
     if report.penetration > options.ground_tolerance:
-        told.append(f"feet {1e3 * report.penetration:.1f} mm into the ground between samples")
+        told.append(_in_the_ground(report.penetration))
     if report.slip > options.slip_tolerance:
         told.append(f"feet slip {1e3 * report.slip:.1f} mm in a stance")
     if margin.min() < 0.0:

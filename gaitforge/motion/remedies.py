@@ -11,12 +11,14 @@ import numpy as np
 from gaitforge.motion.bodies import BASE, Closest
 from gaitforge.motion.constraints.clearance import Clearance
 from gaitforge.motion.constraints.joint_speed import JointSpeed
+from gaitforge.motion.constraints.limb_height import LimbHeight
 from gaitforge.motion.constraints.trunk_height import TrunkHeight
 from gaitforge.motion.dense import DenseReport
 from gaitforge.motion.family import Family
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.report import SolveReport
 from gaitforge.motion.segment import Segment
+from gaitforge.motion.shins import LowPoint
 from gaitforge.motion.trunk import trunk_corners
 
 NEAR_M = 0.01
@@ -48,6 +50,8 @@ class Remedies:
     """limb → share of its joint speed limits that a whole interval may use"""
     clearances: list[Clearance] = field(default_factory=list)
     trunk: list[TrunkHeight] = field(default_factory=list)
+    low: dict[tuple[int, int, tuple[float, float, float]], LowPoint] = field(default_factory=dict)
+    """Points of limbs that were found in the ground, or near it beside such"""
     joint_margin: float = 0.0
     """[rad] kept from position limits on top of the option"""
     log: list[dict[str, Any]] = field(default_factory=list)
@@ -55,7 +59,9 @@ class Remedies:
     @property
     def families(self) -> list[Family]:
         """Constraint families to be added to the problem."""
-        return [*(JointSpeed(share, (i,)) for i, share in self.shares.items()), *self.clearances, *self.trunk]
+        speeds = (JointSpeed(share, (i,)) for i, share in self.shares.items())
+        shins = [LimbHeight(tuple(self.low.values()))] if self.low else []
+        return [*speeds, *self.clearances, *self.trunk, *shins]
 
     def applied(self, options: MotionOptions) -> MotionOptions:
         """The options with what has been tightened."""
@@ -93,6 +99,8 @@ class Remedies:
         if report.trunk_height < 0.0:
             corners = tuple((float(x), float(y), float(z)) for x, y, z in trunk_corners(robot))
             self.trunk = [TrunkHeight(corners, TRUNK_M)]
+        sunk = {point.limb for point in low_free(segment, report) if point.height < 0.0}
+        self.low |= {(p.limb, p.joint, p.point): p for p in low_free(segment, report) if p.limb in sunk}
         close = bodies_free(segment, report)
         if min((c.gap for c in close), default=np.inf) < 0.5 * options.clearance:
             self.clearances.append(Clearance(_nearest(close), options.clearance))
@@ -121,6 +129,11 @@ def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> lis
     if report.trunk_height < 0.0:
         text = f"the trunk {-1e3 * report.trunk_height:.0f} mm in the ground"
         found.append(Miss("trunk_height", "", report.trunk_height, "m", text))
+    lowest = min(low_free(segment, report), key=lambda p: p.height, default=None)
+    if lowest is not None and lowest.height < 0.0:
+        name = robot.limbs[lowest.limb].name
+        text = f"{name} {-1e3 * lowest.height:.0f} mm in the ground beside its foot"
+        found.append(Miss("limb_height", name, lowest.height, "m", text))
     pair = min(bodies_free(segment, report), key=lambda c: c.gap, default=None)
     if pair is not None and pair.gap < 0.5 * options.clearance:
         text = f"{pair.first.name} {pair.gap * 1e3:.0f} mm from {pair.second.name}"
@@ -131,6 +144,11 @@ def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> lis
 def bodies_free(segment: Segment, report: DenseReport) -> list[Closest]:
     """Pairs of bodies that this segment can part: not those in the states that its neighbours have fixed."""
     return [c for c in report.close if not _given(segment, c) and _moves(segment, c)]
+
+
+def low_free(segment: Segment, report: DenseReport) -> list[LowPoint]:
+    """Low points of limbs that this segment moves."""
+    return [p for p in report.low if p.limb in segment.moving]
 
 
 def _nearest(close: list[Closest]) -> tuple[Closest, ...]:

@@ -75,9 +75,10 @@ def write_report(run: Run, summary: Mapping[str, Any], verdict: Verdict | None) 
 
 def _pictures(run: Run, verdict: Verdict) -> list[tuple[str, bytes]]:
     """(caption, PNG) from the middle of every segment that walks; none where there is no renderer."""
-    from gaitforge.verify.pictures import can_draw, render, view_of
+    from gaitforge.verify.pictures import render, view_of
+    from gaitforge.verify.pybullet.client import has_pybullet
 
-    if not run.options.recorder.pictures or not can_draw():
+    if not run.options.recorder.pictures or not has_pybullet():
         return []
     walking = [e for e in verdict.timeline.entries if e.plan.kind != "stand"]
     times = [0.5 * (e.start + e.end) for e in walking]

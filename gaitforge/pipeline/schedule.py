@@ -17,7 +17,7 @@ from gaitforge.pipeline.handling import blocks, carriage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.restart import plan_restart
 from gaitforge.pipeline.segment import Attempt, Segment
-from gaitforge.pipeline.stands import plan_stand
+from gaitforge.pipeline.stands import plan_end, plan_stand
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import meeting, plan_change
 from gaitforge.pipeline.tries import Workers
@@ -59,8 +59,8 @@ def _plan_block(
                 walk = now.applied(walk, span.stop)
     again = f"{ends[0].name}_" if earlier else ""
     start = plan_stand("start", load.robot, ends[0], options, watch, f"{again}start")
-    stop = plan_stand("stop", now.robot, ends[-1], now.options, watch, f"{again}stop")
-    done[:] = load.around(robot, task.scene, [Segment(start), *done, Segment(stop)], watch, earlier)
+    end = plan_end(now.robot, ends[-1], now.options, watch, f"{again}stop")
+    done[:] = load.around(robot, task.scene, [Segment(start), *done, *end], watch, earlier)
 
 
 def _place(earlier: Sequence[Segment]) -> tuple[float, float, float]:

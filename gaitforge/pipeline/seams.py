@@ -55,8 +55,9 @@ def meetings(
     """Up to `limit` patterns between any two columns of the gaits, the best first; `info` says which columns.
 
     `leave`: the one column at which the first gait may be left.  Best are those in which no two feet have to be
-    nearer than `APART`, no foot hurries and the margin at the switches is ample (up to `AMPLE`); then those with few
-    changes.  Raises `InfeasibleFootfall` when no two columns have a pattern between them, or `UnsolvedError`.
+    nearer than `APART`, the body has a place inside the feet at every switch, no foot hurries and the margin there is
+    ample (up to `AMPLE`); then those with few changes.
+    Raises `InfeasibleFootfall` when no two columns have a pattern between them, or `UnsolvedError`.
     """
     families = with_problem_families(footfall.get("constraints"))
     families = tuple(f for f in families if f is not sectors_of(families))
@@ -121,7 +122,8 @@ def order(pattern: FootfallPattern, ends: Ends, travel: float) -> tuple[float, .
     sway = SWAY * float(np.linalg.norm(seen[walking].mean(axis=(1, 2)), axis=-1).mean()) if walking.any() else 0.0
     s = stability(pattern.contact, seen, np.zeros(2), sway, False, steps=5)
     margins = (-round(min(value, AMPLE) / GRAIN) for value in (s.switch_margin, s.margin))
-    return (round(crowded / 0.005), round(2 * hurry), *margins, pattern.changes, float(steps))
+    tips = max(0, -round(s.switch_margin / GRAIN))
+    return (round(crowded / 0.005), tips, round(2 * hurry), *margins, pattern.changes, float(steps))
 
 
 def foot_paths(pattern: FootfallPattern, ends: Ends) -> Array:

@@ -1,4 +1,4 @@
-"""Starts and stops of a run, with more time, or less, where the usual one does not do."""
+"""Starts and stops of a run, with more time or less, and from another column, where the usual one does not do."""
 
 from __future__ import annotations
 
@@ -8,35 +8,69 @@ from typing import Literal
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.pipeline.tries import unexplained
 from gaitforge.robot.model import RobotModel
 
 STRETCHES = (1.0, 1.6, 2.4, 0.6, 0.25)
 """Factors on the time of a stand, tried in this order: more of it for slower joints, less of it for a shorter way,
 where a limb that is locked stands in that of its neighbour"""
+Which = Literal["start", "stop"]
 
 
 def plan_stand(
-    which: Literal["start", "stop"], robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopwatch,
-    name: str | None = None,
-) -> MotionPlan:  # fmt: skip
+    which: Which, robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopwatch, name: str | None = None
+) -> MotionPlan:
     """From rest into the gait, or from the gait to rest; raises `UnsolvedError` when no time is enough."""
+    failure: UnsolvedError | None = None
+    for stretch in STRETCHES:
+        try:
+            return _plan(which, robot, gait, options, watch, name or which, stretch)
+        except UnsolvedError as error:
+            failure = failure or error
+            watch.progress("motion", f"{name or which}, {stretch:g} of the usual time: left ({error})")
+    assert failure is not None
+    raise failure
+
+
+def plan_end(robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopwatch, name: str) -> list[Segment]:
+    """From the end of a gait's last cycle to rest; raises `UnsolvedError` when there is no way.
+
+    Where there is none in the usual time, the gait goes on to a column from which there is: feet stay where they are
+    while the body comes to rest, and what is in the way of a limb then is not in its way elsewhere in the cycle.
+    Of several columns it is the first one whose stop relaxes least.
+    """
+    from gaitforge.motion.failure.cut import begun
+    from gaitforge.motion.rotate import rotated
+
+    quick = replace(options, motion=unexplained(options.motion))
+    try:
+        return [Segment(_plan("stop", robot, gait, quick, watch, name, 1.0))]
+    except UnsolvedError as error:
+        watch.progress("motion", f"{name} at the end of a cycle: left ({error})")
+    found: list[tuple[int, MotionPlan]] = []
+    for column in range(1, gait.pattern.columns):
+        try:
+            found.append((column, _plan("stop", robot, rotated(gait, column), quick, watch, name, 1.0)))
+        except UnsolvedError as error:
+            watch.progress("motion", f"{name} at column {column}: left ({error})")
+    if not found:
+        return [Segment(plan_stand("stop", robot, gait, options, watch, name))]
+    column, plan = min(found, key=lambda one: len(one[1].relaxed))
+    watch.progress("motion", f"{name}: the gait goes on to column {column} of {gait.pattern.columns}")
+    return [Segment(begun(gait, column, f"{gait.name}_until_{name}")), Segment(plan)]
+
+
+def _plan(
+    which: Which, robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopwatch, name: str, stretch: float
+) -> MotionPlan:
     from gaitforge.motion.options import MotionOptions
     from gaitforge.motion.stand import plan_start, plan_stop
 
-    plan_one = plan_start if which == "start" else plan_stop
     motion = options.motion or MotionOptions()
-    failure: UnsolvedError | None = None
-    for stretch in STRETCHES:
-        longer = replace(motion, stand_seconds=stretch * motion.stand_seconds)
-        try:
-            with watch.stage("motion"):
-                plan = plan_one(robot, gait, name=name or which, options=longer)
-        except UnsolvedError as error:
-            failure = failure or error
-            watch.progress("motion", f"{name or which} of {longer.stand_seconds:.2f} s: left ({error})")
-            continue
-        watch.progress("motion", f"{plan.name}: {plan.duration:.2f} s, {plan.report.seconds:.2f} s to solve")
-        return plan
-    assert failure is not None
-    raise failure
+    timed = replace(motion, stand_seconds=stretch * motion.stand_seconds)
+    with watch.stage("motion"):
+        plan = (plan_start if which == "start" else plan_stop)(robot, gait, name=name, options=timed)
+    watch.progress("motion", f"{plan.name}: {plan.duration:.2f} s, {plan.report.seconds:.2f} s to solve")
+    return plan

@@ -79,6 +79,8 @@ class _Found:
     """[m] of centre of mass and of zero-moment point inside the feet, the latter by inverse dynamics"""
     strain: float
     """[-] above 1 no contact forces let the motors hold it (`strain_of`)"""
+    push: float
+    """[m] that the ground pushes feet up between samples, if that is more than was aimed for"""
 
     @staticmethod
     def of(robot: RobotModel, what: str, plan: MotionPlan, seconds: float) -> _Found:
@@ -86,24 +88,26 @@ class _Found:
         from gaitforge.motion.strain import strain_of
 
         margin = min(float(plan.report.details.get("zmp_margin_m", 0.0)), static_margin(robot, plan))
-        return _Found(what, plan, seconds, margin, strain_of(robot, plan))
+        deep, most = (float(plan.report.details.get(f"{key}_m", 0.0)) for key in ("penetration", "ground_tolerance"))
+        return _Found(what, plan, seconds, margin, strain_of(robot, plan), deep if deep > most else 0.0)
 
     @property
     def sound(self) -> bool:
-        """Neither tips nor gives way."""
-        return self.margin >= 0.0 and self.strain <= 1.0
+        """Neither tips, nor gives way, nor rocks."""
+        return self.margin >= 0.0 and self.strain <= 1.0 and self.push == 0.0
 
     @property
-    def rank(self) -> tuple[bool, float, float]:
-        """The larger the better: what tips falls, what gives way limps."""
-        return self.margin >= 0.0, -max(self.strain, 1.0), min(self.margin, 0.0)
+    def rank(self) -> tuple[bool, float, float, float]:
+        """The larger the better: what tips falls, what gives way limps, what is pushed rocks."""
+        return self.margin >= 0.0, -max(self.strain, 1.0), min(self.margin, 0.0), -self.push
 
     @property
     def left(self) -> Attempt:
         """The entry of a plan that was left."""
         tips = f"{-1e3 * self.margin:.1f} mm outside the feet" if self.margin < 0.0 else ""
         weak = f"{self.strain:.2f} of the motors' efforts" if self.strain > 1.0 else ""
-        return Attempt(self.what, ", ".join(filter(None, (tips, weak))), self.seconds)
+        rocks = f"feet {1e3 * self.push:.1f} mm in the ground" if self.push > 0.0 else ""
+        return Attempt(self.what, ", ".join(filter(None, (tips, weak, rocks))), self.seconds)
 
 
 def _soundest(name: str, found: list[_Found], attempts: list[Attempt], watch: Stopwatch) -> Segment:

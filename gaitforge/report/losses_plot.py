@@ -1,4 +1,4 @@
-"""What lost limbs come to: one bar for every robot and number of limbs."""
+"""What lost limbs come to: one bar for every robot, number of limbs and simulator."""
 
 from __future__ import annotations
 
@@ -6,25 +6,43 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from gaitforge.report.figures import FAINT, PLANNED, SWING, new_figure, png
+from gaitforge.report.figures import BOUNDARY_SWING, FAINT, INK, PLANNED, SWING, new_figure, png
 
-COLORS = {"verified": PLANNED, "infeasible": FAINT, "unverified": SWING}
+COLORS = {"verified": PLANNED, "infeasible": FAINT, "unverified": SWING, "unsolved": BOUNDARY_SWING, "error": INK}
 
 
 def losses_png(rows: Sequence[Mapping[str, Any]]) -> bytes:
-    """PNG of how many rows have which status, by robot, mode and number of lost limbs."""
-    groups = list(dict.fromkeys((r["robot"], r["mode"], r["lost"]) for r in rows))
-    counts = Counter((r["robot"], r["mode"], r["lost"], r["status"]) for r in rows)
-    figure = new_figure(7.0, 0.9 + 0.4 * len(groups))
+    """PNG of the share of rows that have each status, by robot, mode, number of lost limbs and simulator.
+
+    A row without a simulator, one that is infeasible say, counts in the bar of each.
+    """
+    bars = _counted(rows)
+    figure = new_figure(7.0, 0.9 + 0.4 * len(bars))
     axes = figure.subplots()
-    left = [0] * len(groups)
+    left = [0.0] * len(bars)
     for status, color in COLORS.items():
-        widths = [counts[*group, status] for group in groups]
-        axes.barh(range(len(groups)), widths, left=left, color=color, label=status)
+        if not any(count[status] for count in bars.values()):
+            continue
+        widths = [100.0 * count[status] / count.total() for count in bars.values()]
+        drawn = axes.barh(range(len(bars)), widths, left=left, color=color, label=status)
+        axes.bar_label(drawn, [str(count[status] or "") for count in bars.values()], label_type="center", fontsize=8)
         left = [a + b for a, b in zip(left, widths, strict=True)]
-    axes.set_yticks(range(len(groups)), [f"{robot}, {lost} {mode}" for robot, mode, lost in groups])
+    axes.set_yticks(range(len(bars)), list(bars))
     axes.invert_yaxis()
-    axes.set_xlabel("subsets of limbs [-]")
-    axes.legend(loc="lower right", frameon=False)
+    axes.set_xlabel("subsets of limbs [%], and their number")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=len(COLORS), frameon=False)
     figure.tight_layout()
     return png(figure)
+
+
+def _counted(rows: Sequence[Mapping[str, Any]]) -> dict[str, Counter[str]]:
+    """Label of a bar → how many of its rows have which status."""
+    simulators = list(dict.fromkeys(r["simulator"] for r in rows if r.get("simulator")))
+    bars: dict[str, Counter[str]] = {}
+    for row in rows:
+        label = f"{row['robot']}, {row['lost']} {row['mode']}"
+        own = row.get("simulator")
+        for simulator in [own] if own else simulators or [None]:
+            key = label if len(simulators) < 2 else f"{label}, {simulator}"
+            bars.setdefault(key, Counter())[row["status"]] += 1
+    return bars

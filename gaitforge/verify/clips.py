@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene
-from gaitforge.verify.pictures import View, frames, view_of
-from gaitforge.verify.trace import Trace
+from gaitforge.verify.pictures import Poses, View, frames, view_of
 
 QUALITY = 60
 """[%] of WebP's scale."""
@@ -17,7 +18,7 @@ QUALITY = 60
 
 def render_clip(
     robot: RobotModel,
-    trace: Trace,
+    trace: Poses,
     scene: Scene,
     *,
     start: float = 0.0,
@@ -31,14 +32,18 @@ def render_clip(
     size: width, height [pixel]; view: None is `view_of` the scene.  Raises ValueError when there is
     nothing to show or `frames_hz` is not positive.
     """
-    from PIL import Image
-
     last = float(trace.times[-1]) if end is None else min(end, float(trace.times[-1]))
     if not frames_hz > 0.0 or not start < last:
         raise ValueError(f"a clip of {frames_hz} frames a second from {start} to {last} s shows nothing")
     times = np.arange(start, last, 1.0 / frames_hz).tolist()
-    drawn = frames(robot, trace, scene, times, size, view or view_of(scene))
-    images = [Image.fromarray(pixels.copy()) for pixels in drawn]
+    return webp(frames(robot, trace, scene, times, size, view or view_of(scene)), frames_hz)
+
+
+def webp(drawn: Iterable[NDArray[np.uint8]], frames_hz: float) -> bytes:
+    """Pictures (height, width, 3) one after the other, in a loop, as an animated WebP."""
+    from PIL import Image
+
+    images = [Image.fromarray(np.ascontiguousarray(pixels)) for pixels in drawn]
     out = io.BytesIO()
     pause = round(1000.0 / frames_hz)  # [ms]
     images[0].save(

@@ -29,7 +29,7 @@ def verify(
     segments: Sequence[tuple[MotionPlan, int]],
     *,
     scene: Scene | Sequence[SceneObject | Mapping[str, Any]] = (),
-    simulator: Literal["pybullet", "mujoco", "both"] | Simulator | Both = "pybullet",
+    simulator: Literal["pybullet", "mujoco", "both"] | Simulator | Both | None = None,
     limits: CheckLimits | None = None,
     stands: bool = True,
     progress: Progress | None = None,
@@ -38,8 +38,9 @@ def verify(
 
     A robot starts and stops standing: where the list does not begin or end with a stand, one is
     planned and added, unless `stands` is False.  `scene`: objects around the robot, as `SceneObject`
-    or as a mapping of its fields [m, rad].  `simulator`: a name takes its default settings; with *both*
-    the robot passes when it does in each, and every check names its simulator.
+    or as a mapping of its fields [m, rad].  `simulator`: a name takes its default settings; None is
+    PyBullet, or MuJoCo where PyBullet is not installed; with *both* the robot passes when it does in each, and
+    every check names its simulator.
 
     Raises `InputError` for an empty list, an unknown simulator or tool targets that the scene does not
     have, and `SimulationError` when the simulator refuses the robot; a robot that falls is no error

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.util import find_spec
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,6 @@ from gaitforge.task.scene import Scene
 from gaitforge.verify.pybullet.camera import png, render_pixels
 from gaitforge.verify.pybullet.client import direct_client
 from gaitforge.verify.pybullet.world import World, build_world
-from gaitforge.verify.trace import Trace
 
 Array = NDArray[np.float64]
 Color = tuple[float, float, float, float]
@@ -30,6 +28,30 @@ LIGHT_M = 10.0
 """Distance of the light [m]: nearer, the edge of its shadow map is seen; farther, shadows go coarse."""
 FINER = 2
 """Drawn this many times larger and then made smaller, which softens the edges."""
+
+
+class Poses(Protocol):
+    """What is drawn, row by row: a `Trace`, or what a log recorded (`gaitforge.record.poses`)."""
+
+    @property
+    def times(self) -> Array:
+        """(n,) [s]"""
+
+    @property
+    def base_poses(self) -> Array:
+        """(n, 6) of base_link in the world [m, rad]"""
+
+    @property
+    def joint_positions(self) -> Array:
+        """(n, n_J) [rad]"""
+
+    @property
+    def feet(self) -> Array:
+        """(n, n_F, 3) [m]"""
+
+    @property
+    def objects(self) -> dict[str, Array]:
+        """Name of what can be moved → (n, 7) position [m] and quaternion x, y, z, w in the world"""
 
 
 @dataclass(frozen=True)
@@ -51,14 +73,9 @@ def view_of(scene: Scene) -> View:
     return View(yaw_deg=145.0) if any(item.movable for item in scene.objects) else View()
 
 
-def can_draw() -> bool:
-    """Is there a renderer: PyBullet has no wheels for Python 3.12 on."""
-    return find_spec("pybullet") is not None
-
-
 def render(
     robot: RobotModel,
-    trace: Trace,
+    trace: Poses,
     scene: Scene,
     times: Sequence[float],
     size: tuple[int, int] = (960, 540),
@@ -78,7 +95,7 @@ def render(
 
 
 def frames(
-    robot: RobotModel, trace: Trace, scene: Scene, times: Sequence[float], size: tuple[int, int], view: View
+    robot: RobotModel, trace: Poses, scene: Scene, times: Sequence[float], size: tuple[int, int], view: View
 ) -> Iterator[NDArray[np.uint8]]:
     """(height, width, 3) pixels at each of `times` [s], one after the other; size is width, height [pixel]."""
     rows = np.clip(np.searchsorted(trace.times, np.asarray(times, dtype=float)), 0, len(trace.times) - 1)
@@ -101,7 +118,7 @@ def _studio(robot: RobotModel, scene: Scene, path: Array, margin: float) -> Iter
         yield world
 
 
-def _drawn(world: World, trace: Trace, row: int, size: tuple[int, int], view: View, reach: float) -> NDArray[np.uint8]:
+def _drawn(world: World, trace: Poses, row: int, size: tuple[int, int], view: View, reach: float) -> NDArray[np.uint8]:
     p, pose = world.p, trace.base_poses[row]
     world.place_robot(pose, trace.joint_positions[row])
     for name, body in world.movable.items():

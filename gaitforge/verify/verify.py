@@ -11,7 +11,7 @@ from gaitforge.task.scene import Scene
 from gaitforge.verify.both import Both
 from gaitforge.verify.checks import ALL, CheckLimits, Segment, SegmentCheck
 from gaitforge.verify.checks.travel import travel
-from gaitforge.verify.pybullet import PyBulletSimulator
+from gaitforge.verify.default import default_simulator
 from gaitforge.verify.simulator import Progress, Simulator
 from gaitforge.verify.trace import Trace
 from gaitforge.verify.verdict import Check, Verdict
@@ -25,14 +25,14 @@ def verify_timeline(
     limits: CheckLimits | None = None,
     progress: Progress | None = None,
 ) -> Verdict:
-    """Execute the timeline in a simulator (PyBullet by default), or in two, and judge it.
+    """Execute the timeline in a simulator (None: `default_simulator`), or in two, and judge it.
 
     What the robot carries in every segment alike is simulated as part of it; loads that come and go are
     bodies of the scene.  `progress` is called with the fraction done.  SimulationError when the simulator refuses the
     robot; a robot that falls is no error but a verdict.
     """
     robot = _laden(robot, timeline)
-    runners = simulator.simulators if isinstance(simulator, Both) else (simulator or PyBulletSimulator(),)
+    runners = simulator.simulators if isinstance(simulator, Both) else (simulator or default_simulator(),)
     verdicts = []
     for turn, runner in enumerate(runners):
         trace = runner.run(robot, timeline, scene or Scene(), _share(progress, turn, len(runners)))

@@ -13,7 +13,7 @@ from gaitforge.experiment.failures import Failures
 from gaitforge.experiment.gaits import robot_called
 from gaitforge.experiment.loss import LossJob
 from gaitforge.pipeline.options import Options
-from gaitforge.report.losses_plot import losses_png
+from gaitforge.report.losses_plot import _counted, losses_png
 
 OPTIONS = Options(simulator=None, recorder=None)  # type: ignore[arg-type]  # what is proven is not simulated
 
@@ -62,7 +62,21 @@ def test_a_hexapod_that_cannot_walk_any_more_is_a_measured_row_with_a_proof(limb
     assert row["proof"].startswith("{g")
 
 
-def test_the_picture_is_the_same_for_the_same_rows() -> None:
-    rows = [{"robot": "hexapod", "mode": "locked", "lost": k, "status": s} for k, s in ((1, "verified"), (2, "x"))]
+def test_the_picture_counts_every_row_once_in_the_bar_of_its_simulator() -> None:
+    case = {"robot": "hexapod", "mode": "locked"}
+    rows = [
+        {**case, "lost": 1, "simulator": "pybullet", "status": "verified"},
+        {**case, "lost": 1, "simulator": "mujoco", "status": "unverified"},
+        {**case, "lost": 2, "status": "infeasible"},
+        {**case, "lost": 2, "status": "unsolved"},
+    ]
+    assert _counted(rows) == {
+        "hexapod, 1 locked, pybullet": {"verified": 1},
+        "hexapod, 1 locked, mujoco": {"unverified": 1},
+        "hexapod, 2 locked, pybullet": {"infeasible": 1, "unsolved": 1},
+        "hexapod, 2 locked, mujoco": {"infeasible": 1, "unsolved": 1},
+    }
+    assert list(_counted(rows[::2])) == ["hexapod, 1 locked", "hexapod, 2 locked"]
     assert losses_png(rows)[:4] == b"\x89PNG"
     assert losses_png(rows) == losses_png(list(rows))
+    assert losses_png(rows) != losses_png(rows[:3])

@@ -149,6 +149,8 @@ def test_splines_do_not_push_feet_into_the_ground(request: pytest.FixtureRequest
         walking = plan.pattern.contact.any(axis=1)
         radius = np.array([limb.foot.radius for limb in robot_of(plan).limbs])
         lowest = float((centres[..., 2] - radius)[:, walking].min())
-        assert lowest > -MotionOptions().ground_tolerance - 1e-4, name
+        few = plan.kind == "transition" and plan.pattern.contact.sum(axis=0).min() <= 4
+        bound = MotionOptions().change_tolerance if few else MotionOptions().ground_tolerance
+        assert lowest > -bound - 1e-4, name
         report = check_densely(robot_of(plan), plan, 0.0, per_interval=16)
         assert report.penetration == pytest.approx(max(0.0, -lowest), abs=2e-5)

@@ -13,6 +13,7 @@ import pytest
 
 from gaitforge.motion import constraints, costs
 from gaitforge.motion.assembly import assemble
+from gaitforge.motion.constraints.limb_height import LimbHeight
 from gaitforge.motion.constraints.locked import Locked
 from gaitforge.motion.constraints.off_ground import OffGround
 from gaitforge.motion.constraints.placed import Placed
@@ -21,6 +22,7 @@ from gaitforge.motion.costs.pace import Pace
 from gaitforge.motion.family import Family
 from gaitforge.motion.plan import Command
 from gaitforge.motion.problem import Problem, Term
+from gaitforge.motion.shins import LowPoint
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import CHANGE, PENTA, Instance, gait_segment, instance, open_segment
 
@@ -34,23 +36,27 @@ CONSTRAINTS = {
     "clearance",
     "off_ground",
     "trunk_height",
+    "limb_height",
 }
 OFF = OffGround((("R1", (0.2, -0.2, -0.05), 0.02),))
 LOCKED = Locked(("L1",))
 PLACED = Placed(pose=(0.1, 0.02, 0.12, 0.0, 0.05, 0.1))
 TRUNK = TrunkHeight(corners=((0.15, 0.09, -0.04), (-0.15, -0.09, -0.04)))
+SHIN = LimbHeight((LowPoint(1, 2, (0.01, -0.02, 0.03), 0.02, -0.01), LowPoint(0, 1, (0.1, 0.0, 0.0), 0.02, 0.01)))
 COSTS = {"smoothness", "posture", "body", "sharing", "swing"}
 STEP = 1e-5
 
 
 @pytest.fixture(scope="module")
 def turning_gait(hexapod: RobotModel) -> Instance:
-    return instance(gait_segment(hexapod, PENTA, Command(0.06, 0.4, 0.5)), more=(OFF, TRUNK, Pace()))
+    return instance(gait_segment(hexapod, PENTA, Command(0.06, 0.4, 0.5)), more=(OFF, TRUNK, SHIN, Pace()))
 
 
 @pytest.fixture(scope="module")
 def transition(hexapod: RobotModel) -> Instance:
-    return instance(open_segment(hexapod, CHANGE, "transition", seed=5), seed=5, more=(OFF, TRUNK, LOCKED, PLACED))
+    return instance(
+        open_segment(hexapod, CHANGE, "transition", seed=5), seed=5, more=(OFF, TRUNK, SHIN, LOCKED, PLACED)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +65,7 @@ def stand(hexapod: RobotModel) -> Instance:
     return instance(
         open_segment(hexapod, pattern, "stand", seed=7, resting=(True, False)),
         seed=7,
-        more=(OFF, TRUNK, LOCKED, PLACED),
+        more=(OFF, TRUNK, SHIN, LOCKED, PLACED),
     )
 
 

@@ -53,7 +53,8 @@ def test_options_that_the_page_names_exist() -> None:
         "height_range", "tilt_limit", "joint_margin", "stability_share", "ground_tolerance",
         "finest", "speed_share", "clearance", "refinements", "stand_seconds",
     }  # fmt: skip
-    assert f"`ground_tolerance` ({MotionOptions().ground_tolerance * 1e3:g} mm)" in PAGE
+    assert f"`ground_tolerance` ({MotionOptions().ground_tolerance * 1e3:g} mm;" in PAGE
+    assert f"`change_tolerance`, {MotionOptions().change_tolerance * 1e3:g} mm)" in PAGE
 
 
 def families(group: str) -> dict[str, dict[str, Any]]:

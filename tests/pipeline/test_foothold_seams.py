@@ -56,6 +56,16 @@ def test_the_foot_ahead_makes_room_before_the_one_behind_comes() -> None:
     assert order(makes_room, places, 0.03) < order(in_the_way, places, 0.03)
 
 
+def test_a_step_in_a_hurry_is_better_than_a_switch_at_which_the_robot_tips() -> None:
+    """Front limbs lift as rear ones land: no place of the body is inside both; a quick step leaves it one."""
+    start = [[0.3, 0.2], [0.0, 0.2], [-0.3, 0.2], [0.3, -0.2], [0.0, -0.2], [-0.3, -0.2]]
+    places = ends(start, [[x + 0.12, y] for x, y in start])
+    tips = transition("1111100000", "1111100001", "1000011111", "1111100000", "1000011111", "1000011111")
+    hurries = transition("1111101111", "1111111011", "1110111111", "1101111111", "1011111111", "1111111101")
+    assert order(hurries, places, 0.008)[2] > order(tips, places, 0.008)[2], "the one is in a hurry"
+    assert order(hurries, places, 0.008) < order(tips, places, 0.008)
+
+
 def test_a_tripod_turns_twice_and_a_long_wave_is_thinned_out() -> None:
     tripod = FootfallPattern(np.array([[True] * 6 + [False] * 6, [False] * 6 + [True] * 6]), ("L1", "R1"), True, "")
     assert turning_points(tripod) == [0, 6]

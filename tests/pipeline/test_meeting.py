@@ -7,6 +7,7 @@ import pytest
 
 import gaitforge as gf
 from gaitforge.footfall.synthesis import transition_pattern_candidates
+from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options, Search
 from gaitforge.pipeline.transitions import meeting
@@ -46,6 +47,9 @@ def test_the_plan_that_leaves_mid_step_begins_with_the_state_of_the_gait_there(
     (pattern,) = transition_pattern_candidates(robot, before, after, columns=11, phases="best", limit=1)
     first, second = meeting(before, after, pattern, options("best"))
     move = gf.plan_transition(robot, first, second, pattern=pattern)
+    deep = move.report.details["penetration_m"]
+    assert MotionOptions().change_tolerance < deep <= MotionOptions().ground_tolerance, "grids that are finer have none"
+    assert f"feet {1e3 * deep:.1f} mm into the ground between samples" in move.relaxed
     at = pattern.info["from_column"] * before.duration / 12
     np.testing.assert_allclose(move(0.0), before(at), atol=1e-9)
     np.testing.assert_allclose(move.joint_spline(0.0, 1), before.joint_spline(at, 1), atol=1e-6)

@@ -15,6 +15,7 @@ from run_by_hand import make_verdict
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from gaitforge.motion.feedforward import planned_efforts
 from gaitforge.record import write_log
 from gaitforge.record.channels.drawings import hull, planned_footholds
 from gaitforge.record.channels.footfall import Agreement, agreement, field_name
@@ -86,14 +87,20 @@ def test_frames_of_prismatic_and_fixed_joints_are_where_pinocchio_has_them():
 
 def test_joint_states_carry_what_was_simulated_and_what_was_planned(log, verdict, dodecapod):
     rows = [int(np.argmin(np.abs(verdict.trace.times - t))) for t, _ in log.messages("/sim/joint_states")]
-    for topic, source in (("/sim/joint_states", verdict.trace), ("/plan/joint_states", verdict.trace.plan)):
+    trace = verdict.trace
+    ahead = planned_efforts(dodecapod, verdict.timeline, trace.plan, 1.0 / (trace.times[1] - trace.times[0]))
+    for topic, source, efforts in (
+        ("/sim/joint_states", trace, trace.joint_torques),
+        ("/plan/joint_states", trace.plan, ahead),
+    ):
         messages = [m for _, m in log.messages(topic)]
         assert [j.name for j in messages[0].joints] == list(dodecapod.joint_names)
         positions = np.array([[j.position for j in m.joints] for m in messages])
         velocities = np.array([[j.velocity for j in m.joints] for m in messages])
         assert np.array_equal(positions, source.joint_positions[rows])
         assert np.array_equal(velocities, source.joint_velocities[rows])
-    assert all(j.HasField("effort") for m in list(log.messages("/sim/joint_states"))[:2] for j in m[1].joints)
+        assert np.allclose([[j.effort for j in m.joints] for m in messages], efforts[rows], rtol=1e-9, atol=1e-9)
+    assert np.abs(ahead).max() > 0.1
 
 
 def test_the_ghost_is_the_same_robot_seen_through(log):

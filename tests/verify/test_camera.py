@@ -1,7 +1,6 @@
 """Pointing, line of sight and pictures of a camera on a limb."""
 
 import io
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -19,7 +18,7 @@ from gaitforge.verify.clips import render_clip
 from gaitforge.verify.execution import planned_rows
 from gaitforge.verify.feedback import AimFeedback
 from gaitforge.verify.mujoco import MujocoSimulator
-from gaitforge.verify.pictures import can_draw, render
+from gaitforge.verify.pictures import render
 from gaitforge.verify.pointing import pointing_angle
 from gaitforge.verify.pybullet import PyBulletSimulator
 from gaitforge.verify.pybullet.camera import focal_length
@@ -232,9 +231,3 @@ def test_a_load_is_drawn_where_the_trace_has_it_and_not_where_it_began() -> None
     wood = [(p[..., 0] - p[..., 2] > 40).nonzero()[0] for p in (below, above)]  # rows of pixels more red than blue
     assert min(map(len, wood)) > 10
     assert wood[1].mean() < wood[0].mean() - 5.0
-
-
-def test_where_there_is_no_renderer_it_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert can_draw()
-    monkeypatch.setitem(sys.modules, "pybullet", None)
-    assert not can_draw()

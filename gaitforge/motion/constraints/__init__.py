@@ -7,6 +7,7 @@ progress     the body advances by at least a share of the commanded travel (open
 joint_speed  |q_{j+1} − q_j| ≤ share · q̇_max dt
 effort       |τ_k| ≤ share · effort limit, τ = g(q) − Jᵀ f
 clearance    |p_a − p_b| ≥ r_a + r_b + margin for bodies of neighbouring limbs
+limb_height  z + e_z · R p ≥ radius + margin for points of limbs other than feet
 
 Joint positions, the heights of feet and base, and tilt are bounds on variables (see `trajectory`).
 """

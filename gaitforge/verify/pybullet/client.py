@@ -9,11 +9,17 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator
+from importlib.util import find_spec
 from typing import Any, BinaryIO
 
 from gaitforge.errors import SimulationError
 
 _descriptors = threading.Lock()
+
+
+def has_pybullet() -> bool:
+    """Is PyBullet installed?  It has no wheels for Python 3.12 on."""
+    return find_spec("pybullet") is not None
 
 
 @contextlib.contextmanager
