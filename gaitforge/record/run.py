@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.timeline import Timeline
 from gaitforge.record.tree import LinkTree
+from gaitforge.robot.limbs import ToolMount
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.scene import Scene
 from gaitforge.verify.feet import CONTACT_N
@@ -59,6 +60,18 @@ class Run:
     def contact(self) -> NDArray[np.bool_]:
         """(n, n_F) feet that press on the ground, at every row of the trace."""
         return np.asarray(self.trace.normal_force > CONTACT_N)
+
+    @cached_property
+    def camera(self) -> ToolMount | None:
+        """The camera that took the trace's pictures; None where there are none."""
+        if not self.trace.images:
+            return None
+        return next((tool for tool in self.robot.tools if tool.kind == "camera"), None)
+
+    @property
+    def camera_frame(self) -> str:
+        """Of the pictures: z ahead, x right, y down."""
+        return f"{self.camera.name}_optical" if self.camera else self.robot.base_link
 
     @cached_property
     def tree(self) -> LinkTree:

@@ -66,6 +66,8 @@ def assemble_trace(
             timeline,
         ),
         images=recording.images,
+        camera_fov_deg=recording.camera_fov_deg,
+        aim_feedback_hz=recording.aim_feedback_hz,
         objects=recording.objects,
         overlapping=recording.overlapping,
     )

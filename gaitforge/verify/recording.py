@@ -59,6 +59,10 @@ class Recording:
     sight: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
     """tool name → (n,) is the line of sight to its target free (True when it has none)"""
     images: tuple[tuple[float, bytes], ...] = ()
+    camera_fov_deg: float = 0.0
+    """[deg] vertical opening angle of the camera that took the pictures"""
+    aim_feedback_hz: float = 0.0
+    """[Hz] tool limbs were aimed again from the measured pose of the body; 0: as planned"""
     objects: dict[str, Array] = field(default_factory=dict)
     """name of a movable object of the scene → (n, 7) its pose in the world: x, y, z [m], quaternion x, y, z, w"""
     overlapping: tuple[tuple[str, str], ...] = ()

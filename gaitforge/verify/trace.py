@@ -66,6 +66,10 @@ class Trace:
     unplanned: tuple[UnplannedContact, ...] = ()
     images: tuple[tuple[float, bytes], ...] = ()
     """(time [s], PNG) of the camera at `camera_hz`, when asked for"""
+    camera_fov_deg: float = 0.0
+    """[deg] vertical opening angle of the camera that took `images`"""
+    aim_feedback_hz: float = 0.0
+    """[Hz] tool limbs were aimed again from the measured pose of the body; 0: open loop"""
     objects: dict[str, Array] = field(default_factory=dict)
     """name of a movable object of the scene → (n, 7) its pose in the world: x, y, z [m], quaternion x, y, z, w"""
     overlapping: tuple[tuple[str, str], ...] = ()

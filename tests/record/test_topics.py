@@ -318,7 +318,33 @@ def test_pictures_of_a_camera_are_logged_when_there_are_some(tmp_path):
     verdict = make_verdict(robot)
     buffer = io.BytesIO()
     Image.new("RGB", (4, 3), (9, 8, 7)).save(buffer, "PNG")
-    trace = replace(verdict.trace, images=((0.5, buffer.getvalue()), (0.6, buffer.getvalue())))
+    trace = replace(verdict.trace, images=((0.5, buffer.getvalue()), (0.6, buffer.getvalue())), camera_fov_deg=60.0)
     write_log(tmp_path / "run.mcap", robot, replace(verdict, trace=trace))
     log = read_run(tmp_path / "run.mcap")
     assert [(round(t, 9), m.data) for t, m in log.messages("/camera/image")] == list(trace.images)
+
+
+def test_the_log_tells_where_in_a_picture_a_point_of_the_world_is(tmp_path):
+    """Beside PyBullet's own projection: a target on the optical axis, and one 20° above it, through TF and K."""
+    robot = load_robot("dodecapod")
+    verdict = make_verdict(robot)
+    picture = io.BytesIO()
+    Image.new("RGB", (320, 240)).save(picture, "PNG")
+    trace = replace(verdict.trace, images=((0.0, picture.getvalue()),), camera_fov_deg=60.0)
+    write_log(tmp_path / "run.mcap", robot, replace(verdict, trace=trace))
+    log = read_run(tmp_path / "run.mcap")
+    ((_, info),), ((_, image),) = log.messages("/camera/info"), log.messages("/camera/image")
+    assert (info.width, info.height, info.frame_id) == (320, 240, image.frame_id)
+    _, tf = next(iter(log.messages("/tf")))
+    (frame,) = (t for t in tf.transforms if t.child_frame_id == info.frame_id)
+    camera = next(tool for tool in robot.tools if tool.kind == "camera")
+    assert frame.parent_frame_id == camera.link
+    q, p = frame.rotation, frame.translation
+    R = Rotation.from_quat([q.x, q.y, q.z, q.w]).as_matrix()
+    eye = camera.T_link_tool[:3, 3]
+    ahead, up = camera.T_link_tool[:3, 2], -camera.T_link_tool[:3, 1]
+    for angle in (0.0, np.radians(20.0)):
+        point = eye + 2.0 * (np.cos(angle) * ahead + np.sin(angle) * up)
+        u, v, w = np.reshape(info.P, (3, 4)) @ np.append(R.T @ (point - [p.x, p.y, p.z]), 1.0)
+        rise = 120.0 * np.tan(angle) / np.tan(np.radians(30.0))
+        np.testing.assert_allclose([u / w, v / w], [159.5, 119.5 - rise], atol=1e-6)

@@ -25,7 +25,7 @@ from gaitforge.verify.pybullet.camera import focal_length
 from gaitforge.verify.sight import clear_of_camera
 from gaitforge.verify.trace import Trace
 from gaitforge.verify.verdict import Verdict
-from gaitforge.verify.verify import verify_timeline
+from gaitforge.verify.verify import judge, verify_timeline
 
 Seen = Callable[..., Trace]
 ROBOT = walker(3, camera="R1")
@@ -115,6 +115,26 @@ def test_a_gait_is_judged_by_where_its_camera_points() -> None:
     aside = AHEAD + 1.5 * np.tan(np.radians(5.0)) * np.array([1.0, 0.0, 0.0])
     assert "camera_pointing" not in {c.name for c in judged(AHEAD).failed}
     assert "camera_pointing" in {c.name for c in judged(aside).failed}
+
+
+def test_a_camera_that_is_aimed_from_the_measured_pose_is_judged_more_strictly() -> None:
+    """2° off its target: good enough as planned, too far for one that knows where the body is."""
+    aside = AHEAD + 1.5 * np.tan(np.radians(2.0)) * np.array([1.0, 0.0, 0.0])
+    open_loop = judged(aside)
+    closed = replace(open_loop.trace, aim_feedback_hz=60.0)
+    again = judge(ROBOT, open_loop.timeline, closed, "pybullet")
+    (before,), (after,) = ([c for c in v.checks if c.name == "camera_pointing"] for v in (open_loop, again))
+    assert before.value == after.value == pytest.approx(2.0, abs=0.3)
+    assert (before.limit, before.passed, after.limit, after.passed) == (2.5, True, 1.0, False)
+
+
+@pytest.mark.parametrize("simulator", [PyBulletSimulator, MujocoSimulator])
+def test_a_run_says_whether_the_camera_was_aimed_from_the_measured_pose(
+    simulator: type[PyBulletSimulator] | type[MujocoSimulator],
+) -> None:
+    for rate in (0.0, 60.0):
+        trace = simulator(aim_feedback_hz=rate).run(ROBOT, timeline(AHEAD, duration=0.1), Scene())
+        assert trace.aim_feedback_hz == rate
 
 
 def test_before_the_aim_begins_there_is_no_angle() -> None:

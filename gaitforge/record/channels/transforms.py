@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from gaitforge.record.channels.channel import Channel, Messages, protobuf_channel, set_stamp
 from gaitforge.record.run import Run
-from gaitforge.record.tree import Array, base_to_pose
+from gaitforge.record.tree import Array, base_to_pose, matrix_to_quaternion
 
 WORLD = "world"
 PLAN_PREFIX = "plan/"
@@ -19,8 +20,10 @@ def transform_channels(run: Run) -> list[Channel]:
     from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
     trace, rows = run.trace, run.rows
-    simulated = _frames(run, "", trace.base_poses[rows], trace.joint_positions[rows])
-    planned = _frames(run, PLAN_PREFIX, trace.plan.base_poses[rows], trace.plan.joint_positions[rows])
+    camera = run.camera
+    seen = {run.camera_frame: (camera.link, camera.T_link_tool)} if camera else {}
+    simulated = _frames(run, "", trace.base_poses[rows], trace.joint_positions[rows], seen)
+    planned = _frames(run, PLAN_PREFIX, trace.plan.base_poses[rows], trace.plan.joint_positions[rows], {})
     return [
         protobuf_channel("/tf", FrameTransforms, simulated),
         protobuf_channel("/plan/tf", FrameTransforms, planned),
@@ -54,16 +57,19 @@ def set_pose(message: Any, pose: Array) -> None:
     q.x, q.y, q.z, q.w = pose[3:].tolist()
 
 
-def _frames(run: Run, prefix: str, base: Array, joints: Array) -> Messages:
+def _frames(run: Run, prefix: str, base: Array, joints: Array, fixed: Mapping[str, tuple[str, Array]]) -> Messages:
+    """The tree at every logged row; `fixed`: frames that stay where they are in a link, name → link, pose (4, 4)."""
     from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
     tree = run.tree
+    still = [np.concatenate([T[:3, 3], matrix_to_quaternion(T[:3, :3])]) for _, T in fixed.values()]
+    at_rest = np.tile(np.reshape(still, (1, len(still), 7)), (len(base), 1, 1))
     poses = np.concatenate(
-        [base_to_pose(base)[:, None], tree.relative(run.robot.joint_names, joints)], axis=1
+        [base_to_pose(base)[:, None], tree.relative(run.robot.joint_names, joints), at_rest], axis=1
     ).tolist()  # (n, L, 7) as Python floats: protobuf takes them twice as fast
     message = FrameTransforms()
-    parents = [WORLD] + [prefix + edge.parent for edge in tree.edges]
-    for parent, child in zip(parents, tree.links, strict=True):
+    parents = [WORLD] + [prefix + edge.parent for edge in tree.edges] + [link for link, _ in fixed.values()]
+    for parent, child in zip(parents, [*tree.links, *fixed], strict=True):
         message.transforms.add(parent_frame_id=parent, child_frame_id=prefix + child)
     slots = [(t.timestamp, t.translation, t.rotation) for t in message.transforms]
     messages: Messages = []

@@ -24,7 +24,9 @@ class SegmentLimits:
     static_margin_mm: float | None = 0.0
     """[mm] that the centre of mass is to be inside the polygon of real contacts, at least"""
     camera_pointing_deg: float | None = None
-    """[deg] between optical axis and target"""
+    """[deg] between optical axis and target, open loop"""
+    closed_pointing_deg: float | None = None
+    """[deg] the same where tool limbs are aimed again from the measured pose of the body"""
     laden_margin_mm: float | None = None
     """[mm] the same while a load is carried"""
     load_place_mm: float = 20.0
@@ -38,7 +40,13 @@ class CheckLimits:
     """The table of limits (DESIGN of the project, verification): gaits, transitions and stands."""
 
     gait: SegmentLimits = SegmentLimits(
-        heading_deg=2.0, tilt_deg=2.0, body_height_mm=10.0, slip_mm=5.0, camera_pointing_deg=2.5, laden_margin_mm=10.0
+        heading_deg=2.0,
+        tilt_deg=2.0,
+        body_height_mm=10.0,
+        slip_mm=5.0,
+        camera_pointing_deg=2.5,
+        closed_pointing_deg=1.0,
+        laden_margin_mm=10.0,
     )
     transition: SegmentLimits = field(default_factory=SegmentLimits)
     stand: SegmentLimits = field(default_factory=SegmentLimits)

@@ -23,7 +23,10 @@ def aimed_rows(segment: Segment, tool: str) -> Rows:
 
 @dataclass(frozen=True)
 class CameraPointing(SegmentCheck):
-    """Largest angle between optical axis and target, from the moment that the plan is on it."""
+    """Largest angle between optical axis and target, from the moment that the plan is on it.
+
+    Aimed from the measured pose of the body (`Trace.aim_feedback_hz`) a camera is to be nearer to it than open loop.
+    """
 
     name: ClassVar[str] = "camera_pointing"
     title: ClassVar[str] = "camera off its target"
@@ -33,7 +36,9 @@ class CameraPointing(SegmentCheck):
         found = np.concatenate([*angles, np.zeros(0)])
         if not len(found):
             return None
-        return Finding.at_most(float(np.degrees(found.max())), segment.limit.camera_pointing_deg, "deg")
+        closed = segment.trace.aim_feedback_hz > 0.0
+        limit = segment.limit.closed_pointing_deg if closed else segment.limit.camera_pointing_deg
+        return Finding.at_most(float(np.degrees(found.max())), limit, "deg")
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +105,8 @@ class MujocoSimulator:
             recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
             feedback = AimFeedback(world, robot, timeline, plan, self.aim_feedback_hz)
             self._walk(world, robot, plan, ahead, recorder, sight, feedback, progress)
-        return assemble_trace(recorder.recording(plan.times, sight.free), plan, robot, timeline, scene)
+        recording = replace(recorder.recording(plan.times, sight.free), aim_feedback_hz=self.aim_feedback_hz)
+        return assemble_trace(recording, plan, robot, timeline, scene)
 
     def physics(self) -> Physics:
         """What a model is built with."""

@@ -125,7 +125,11 @@ class PyBulletSimulator:
             recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
             feedback = AimFeedback(world, robot, timeline, plan, self.aim_feedback_hz)
             images = self._walk(world, robot, plan, recorder, sight, feedback, progress)
-            recording = recorder.recording(plan.times, sight.free, images)
+            recording = replace(
+                recorder.recording(plan.times, sight.free, images),
+                camera_fov_deg=self.camera_fov_deg,
+                aim_feedback_hz=self.aim_feedback_hz,
+            )
         return assemble_trace(recording, plan, robot, timeline, scene)
 
     def _settle(self, world: World, robot: RobotModel, plan: TimelineSamples) -> None:
