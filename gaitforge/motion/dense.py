@@ -74,7 +74,8 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
     base = plan.base_spline(times)
     poses = evaluate_limbs(robot, joints)
     held = np.repeat(plan.pattern.contact.T, plan.samples_per_column * per_interval, axis=0)
-    deep, lift, slip, clear = _feet(robot, poses, base, held, plan.pattern.cyclic)
+    driven = np.array([limb.name not in plan.limp for limb in robot.limbs])
+    deep, lift, slip, clear = _feet(robot, poses, base, held, plan.pattern.cyclic, driven)
     beside = housings(robot)
     near = closest_pairs(limb_capsules(robot), poses, margin, per_interval)
     close = [c for c in near if (c.first, c.second) not in beside]
@@ -94,9 +95,17 @@ def check_densely(robot: RobotModel, plan: MotionPlan, margin: float, per_interv
 
 
 def _feet(
-    robot: RobotModel, poses: Mapping[int, LimbPoses], base: Array, held: NDArray[np.bool_], cyclic: bool
+    robot: RobotModel,
+    poses: Mapping[int, LimbPoses],
+    base: Array,
+    held: NDArray[np.bool_],
+    cyclic: bool,
+    driven: NDArray[np.bool_],
 ) -> tuple[float, float, float, float]:
-    """Penetration, lift in stance, slip in a stance, mid-swing clearance, each the worst of all feet; held (n, n_F)."""
+    """Penetration, lift in stance, slip in a stance, mid-swing clearance, each the worst of all feet; held (n, n_F).
+
+    Limbs that are not `driven` (n_F,) give way to the ground.
+    """
     turns, radius = matrices(base[:, 3:6]), np.array([limb.foot.radius for limb in robot.limbs])
     foot = np.stack([pose.foot for pose in poses.values()], axis=1)  # (n + 1, n_F, 3)
     centre = base[:, None, :3] + foot @ turns.swapaxes(1, 2)
@@ -106,8 +115,9 @@ def _feet(
     walks = held.any(axis=0)
     on = np.concatenate([held, held[:1] if cyclic else held[-1:]])
     air = ~on & ~np.roll(on, 1, axis=0) & ~np.roll(on, -1, axis=0) | ~walks
+    air &= driven
     return (
-        max(0.0, -float(height.min())),
+        max(0.0, -float(height[:, driven].min(initial=np.inf))),
         float(height[on].max(initial=-np.inf if walks.all() else 0.0)),
         float(np.linalg.norm(way, axis=-1).max()),
         float(height[air].min(initial=np.inf)),

@@ -34,6 +34,8 @@ class Damage:
     """Failed limbs that bear load at the end of the halt"""
     pattern: FootfallPattern | None = None
     """Of the gait in which limbs failed"""
+    hung: bool = False
+    """Limp limbs have been folded, and hang from a body that stands higher"""
 
     @property
     def speeds(self) -> tuple[float, ...]:

@@ -12,6 +12,7 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.damage import Damage, kept_clear, stuck
 from gaitforge.pipeline.gaits import nonlocomotive
+from gaitforge.pipeline.hung import hang_up, spaced
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
@@ -77,7 +78,7 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
     until = begun(gait, column, f"{name}_until_failure") if column else gait
     if column:
         done.append(Segment(until))
-    failed = {**now.roles, **_failed(robot, until, failure)}
+    failed = {**now.roles, **_failed(robot, until, failure, now.options.search.limp_friction)}
     roles = {**gait.roles, **failed}
     watch.progress("motion", f"{name}: {', '.join(failure.limbs)} {failure.mode} at {column} of {gait.pattern.columns}")
     clear: MotionPlan | None = None
@@ -91,8 +92,10 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
                 clear = plan_clear(robot, stand, roles, name=f"{name}_clear", options=motion)
             except UnsolvedError as error:  # the others cannot stand alone where they are
                 watch.progress("motion", f"{name}: {', '.join(held)} still bear load ({error})")
+        robot, failed, stand, hung = hang_up(robot, stand, roles, failed, now.options, watch, done)
     damaged = stuck(robot, failed)
-    return Damage(damaged, kept_clear(damaged, failed, now.options), failed, stand, clear, held, gait.pattern)
+    options = spaced(kept_clear(damaged, failed, now.options), failed)
+    return Damage(damaged, options, failed, stand, clear, held, gait.pattern, hung)
 
 
 def moment(robot: RobotModel, gait: MotionPlan, failure: Failure, seed: int) -> int:
@@ -104,8 +107,8 @@ def moment(robot: RobotModel, gait: MotionPlan, failure: Failure, seed: int) -> 
     return int(np.random.default_rng([seed, *which]).integers(columns))
 
 
-def _failed(robot: RobotModel, until: MotionPlan, failure: Failure) -> dict[str, Failed]:
-    """Limb → its role from now on, with the posture that it has at the end of `until`, or hangs in after it."""
+def _failed(robot: RobotModel, until: MotionPlan, failure: Failure, friction: float) -> dict[str, Failed]:
+    """Limb → its role from now on, with the posture that it has at the end of `until`, or comes to rest in."""
     from gaitforge.motion.failure.hanging import hanging_joints
 
     roles = {}
@@ -113,6 +116,6 @@ def _failed(robot: RobotModel, until: MotionPlan, failure: Failure) -> dict[str,
         limb = robot.limb(name)
         posture = until.joint_positions[robot.joint_indices(limb), -1]
         if failure.mode == "limp":
-            posture = hanging_joints(robot, limb, posture, float(until.base_poses[-1, 2]))
+            posture = hanging_joints(robot, limb, posture, float(until.base_poses[-1, 2]), friction)
         roles[limb.name] = Failed(failure.mode, tuple(posture.tolist()))
     return roles

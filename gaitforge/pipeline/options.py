@@ -35,6 +35,8 @@ class Search:
     """Patterns of a gait that are planned before the cheapest of them is taken."""
     transition_batch: int = 1
     """Tries at a transition that are made before the cheapest of them is taken."""
+    limp_friction: float = 0.2
+    """[N m] dry friction in the joints of limp limbs that plans count on"""
     workers: int = 1
     """Processes that plan at the same time, this one included; results do not depend on it."""
 
@@ -43,6 +45,8 @@ class Search:
             raise ValueError("at least one candidate")
         if min(self.gait_batch, self.transition_batch, self.workers) < 1:
             raise ValueError("batches of at least one try, and at least one worker")
+        if self.limp_friction < 0.0:
+            raise ValueError("a limp_friction of at least 0")
         if self.transition_slack < 0 or self.transition_phases not in ("seam", "paper", "best"):
             raise ValueError("a slack of at least 0, and phases seam, paper or best")
         if not self.transition_columns or not self.transition_stretch or min(self.transition_stretch) <= 0:

@@ -14,6 +14,7 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.damage import Damage
+from gaitforge.pipeline.hung import rise
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stands import plan_stand
@@ -59,12 +60,13 @@ def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, w
 
     start = plan_stand("start", now.robot, gait, now.options, watch, f"{gait.name}_start")
     at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
+    now, at_rest, risen = rise(now, stand, at_rest, watch)
     if len(gait.pattern.locomotive) <= MOST:
-        return [_settled(now, stand, at_rest, watch), Segment(start)]
+        return [_settled(now, stand, at_rest, watch), *risen, Segment(start)]
     search = replace(now.options.search, transition_phases="seam")
     options = _while_held(now)
     options = replace(options, search=search, motion=calm(options.motion or MotionOptions()))
-    return [plan_change(now.robot, stand, at_rest, options, watch, workers), Segment(start)]
+    return [plan_change(now.robot, stand, at_rest, options, watch, workers), *risen, Segment(start)]
 
 
 def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch) -> Segment:

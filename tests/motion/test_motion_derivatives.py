@@ -16,6 +16,7 @@ from gaitforge.motion.assembly import assemble
 from gaitforge.motion.constraints.limb_height import LimbHeight
 from gaitforge.motion.constraints.locked import Locked
 from gaitforge.motion.constraints.off_ground import OffGround
+from gaitforge.motion.constraints.placed import Placed
 from gaitforge.motion.constraints.trunk_height import TrunkHeight
 from gaitforge.motion.costs.pace import Pace
 from gaitforge.motion.family import Family
@@ -39,6 +40,7 @@ CONSTRAINTS = {
 }
 OFF = OffGround((("R1", (0.2, -0.2, -0.05), 0.02),))
 LOCKED = Locked(("L1",))
+PLACED = Placed(pose=(0.1, 0.02, 0.12, 0.0, 0.05, 0.1))
 TRUNK = TrunkHeight(corners=((0.15, 0.09, -0.04), (-0.15, -0.09, -0.04)))
 SHIN = LimbHeight((LowPoint(1, 2, (0.01, -0.02, 0.03), 0.02, -0.01), LowPoint(0, 1, (0.1, 0.0, 0.0), 0.02, 0.01)))
 COSTS = {"smoothness", "posture", "body", "sharing", "swing"}
@@ -52,14 +54,18 @@ def turning_gait(hexapod: RobotModel) -> Instance:
 
 @pytest.fixture(scope="module")
 def transition(hexapod: RobotModel) -> Instance:
-    return instance(open_segment(hexapod, CHANGE, "transition", seed=5), seed=5, more=(OFF, TRUNK, SHIN, LOCKED))
+    return instance(
+        open_segment(hexapod, CHANGE, "transition", seed=5), seed=5, more=(OFF, TRUNK, SHIN, LOCKED, PLACED)
+    )
 
 
 @pytest.fixture(scope="module")
 def stand(hexapod: RobotModel) -> Instance:
     pattern = replace(CHANGE, contact=CHANGE.contact[:, -4:])
     return instance(
-        open_segment(hexapod, pattern, "stand", seed=7, resting=(True, False)), seed=7, more=(OFF, TRUNK, SHIN, LOCKED)
+        open_segment(hexapod, pattern, "stand", seed=7, resting=(True, False)),
+        seed=7,
+        more=(OFF, TRUNK, SHIN, LOCKED, PLACED),
     )
 
 
@@ -90,7 +96,7 @@ def close(found: np.ndarray, expected: np.ndarray, what: str) -> None:
 
 
 def test_every_family_is_in_the_cases(turning_gait: Instance, transition: Instance, stand: Instance) -> None:
-    seams = {"progress", "locked"}
+    seams = {"progress", "locked", "placed"}
     for case, extra, own in ((turning_gait, set(), {"pace"}), (transition, seams, set()), (stand, seams, set())):
         constraints = {t.family for t in case.problem.terms if t.rows is not None}
         assert constraints == CONSTRAINTS | extra
@@ -107,7 +113,7 @@ def test_no_family_of_the_project_is_left_out() -> None:
             for value in vars(importlib.import_module(f"{package.__name__}.{module.name}")).values():
                 if isinstance(value, type) and issubclass(value, Family) and not inspect.isabstract(value):
                     found.add(value.name)
-    assert found == (CONSTRAINTS | COSTS | {"progress", "locked", "pace"}) - {"center_of_mass"}
+    assert found == (CONSTRAINTS | COSTS | {"progress", "locked", "placed", "pace"}) - {"center_of_mass"}
 
 
 def test_the_kernels_of_every_family_have_the_derivatives_of_their_values(case: Instance) -> None:
@@ -141,7 +147,7 @@ def _check_kernel(term: Term, v: np.ndarray, p: np.ndarray, rng: np.random.Gener
     close(hessian, bends / (2 * STEP), f"{term.family}: Hessian")
 
 
-@pytest.mark.parametrize("family", [*sorted(CONSTRAINTS | COSTS), "progress", "locked", "pace", "everything"])
+@pytest.mark.parametrize("family", [*sorted(CONSTRAINTS | COSTS), "progress", "locked", "placed", "pace", "everything"])
 def test_the_assembled_functions_are_the_sums_and_have_their_derivatives(case: Instance, family: str) -> None:
     problem = case.problem if family == "everything" else only(case.problem, family)
     rng = np.random.default_rng(13)

@@ -32,7 +32,7 @@ CLEAR_M = 0.01
 """[m] that a foot which cannot be lifted any more is off the ground"""
 SPARE_M = 0.002
 """[m] more, where the stand ends: what follows keeps `CLEAR_M`"""
-CATCH_S = 0.3
+CATCH_S = 0.25
 """[s] of a halt that has to be quick"""
 SHARES = (0.5, 0.3, 0.1)
 """Shares by which the support polygon is shrunk: a body that stands may be nearer to its edge than one that walks."""
