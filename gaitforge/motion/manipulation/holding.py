@@ -38,7 +38,7 @@ class Holding:
 
     @property
     def welded(self) -> bool:
-        """Are a tip and the object one body meanwhile: a weld holds from when the tips have closed to when they open."""
+        """Are a tip and the object one body: a weld holds from when the tips have closed to when they open."""
         return self.grasp == "weld" and self.mass > 0.0
 
     def at(self, share: Array) -> Array:
