@@ -73,6 +73,14 @@ def unexplained(options: MotionOptions | None) -> MotionOptions:
     return replace(options or MotionOptions(), explain=False)
 
 
+def quick(options: MotionOptions) -> MotionOptions:
+    """The options without a slow second solver: there is something else to try."""
+    from gaitforge.motion.solvers.structured import Structured
+
+    solver = options.solver
+    return replace(options, solver=replace(solver, fallback=None)) if isinstance(solver, Structured) else options
+
+
 def why(one: Try | None) -> dict[str, Any]:
     """The ``explain`` entry of a try that has no plan, found by making it again and asking; none for None."""
     if one is None:
