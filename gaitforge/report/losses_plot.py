@@ -14,7 +14,8 @@ COLORS = {"verified": PLANNED, "infeasible": FAINT, "unverified": SWING, "unsolv
 def losses_png(rows: Sequence[Mapping[str, Any]]) -> bytes:
     """PNG of the share of rows that have each status, by robot, mode, number of lost limbs and simulator.
 
-    A row without a simulator, one that is infeasible say, counts in the bar of each of those that its robot and mode were judged by.
+    A row without a simulator, one that is infeasible say, counts in the bar of each of those that its robot and mode
+    were judged by.
     """
     bars = _counted(rows)
     figure = new_figure(7.0, 0.9 + 0.4 * len(bars))
