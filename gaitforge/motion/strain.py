@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitforge.motion.constraints.effort import Effort
+from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Failed
@@ -37,6 +41,13 @@ def strain_of(robot: RobotModel, plan: MotionPlan) -> float:
     """The plan's own `effort_ratio`, or `least_strain` where that is above 1 [-]."""
     planned = float(plan.report.details.get("effort_ratio", 0.0))
     return planned if planned <= 1.0 else least_strain(robot, plan)
+
+
+def bounded(options: MotionOptions, share: float) -> MotionOptions:
+    """The options with quasi-static efforts of at most `share` of the motors' limits, or less if they say so."""
+    others = tuple(f for f in options.constraints if not isinstance(f, Effort))
+    asked = (f.share for f in options.constraints if isinstance(f, Effort))
+    return replace(options, constraints=(*others, Effort(min([share, *asked]))))
 
 
 def _driven(robot: RobotModel, plan: MotionPlan) -> NDArray[np.intp]:

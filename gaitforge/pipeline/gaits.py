@@ -11,6 +11,7 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.pipeline.certificate import refuse_impossible_speed
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.sparing import spared
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.tries import Result, Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
@@ -48,7 +49,7 @@ def plan_phase(
 
     `original`: the pattern of the gait before, for when one of its limbs is lost.  Patterns are handed to the
     optimiser in batches; of the first batch in which any has a plan, the cheapest is taken, unless its motors cannot
-    hold it (`strain_of`) and another batch has one that they can.
+    hold it (`strain_of`), not even with bounds on their efforts (`spared`), and another batch has one that they can.
     Raises `InfeasibleFootfall` or `InfeasibleMotion` with a proof, `UnsolvedError` when every candidate failed.
     """
     from gaitforge.motion.strain import strain_of
@@ -73,9 +74,10 @@ def plan_phase(
         refusals += [r.error for r in results if isinstance(r.error, InfeasibleMotion)]
         for one in left:
             watch.progress("motion", f"{phase.name}: {one.what}: left ({one.why})")
-        taken = next((r for r in results if plan is not None and r.plan is plan), None)
-        if taken is None:
+        if plan is None:
             continue
+        with watch.stage("motion"):
+            taken = next(spared(t, r) for t, r in zip(tries, results, strict=True) if r.plan is plan)
         assert taken.plan is not None
         strain = strain_of(robot, taken.plan)
         if strain <= 1.0:

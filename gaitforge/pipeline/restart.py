@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +19,7 @@ from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stands import plan_stand
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.transitions import plan_change
-from gaitforge.pipeline.tries import Try, Workers, attempt, unexplained
-
-if TYPE_CHECKING:
-    from gaitforge.motion.options import MotionOptions
+from gaitforge.pipeline.tries import Try, Workers, attempt, quick, unexplained
 
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)
@@ -104,7 +100,7 @@ def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iter
     from gaitforge.motion.failure.still import stepping
     from gaitforge.motion.options import MotionOptions
 
-    motion = _quick(_while_held(now).motion or MotionOptions())
+    motion = quick(_while_held(now).motion or MotionOptions())
     patterns = _patterns(now, stand, start)
     for how, options in (("", stepping(motion)), (", swaying", motion)):
         for stretch in UNHURRIED:
@@ -113,14 +109,6 @@ def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iter
                 what = f"steps {' '.join(pattern.info['order'])}, {column_s:.3f} s a column{how}"
                 named = {"pattern": pattern, "column_s": column_s, "name": name, "options": unexplained(options)}
                 yield Try(what, "transition", now.robot, (stand, start), named)
-
-
-def _quick(options: MotionOptions) -> MotionOptions:
-    """The options without a slow second solver: there are other orders to try."""
-    from gaitforge.motion.solvers.structured import Structured
-
-    solver = options.solver
-    return replace(options, solver=replace(solver, fallback=None)) if isinstance(solver, Structured) else options
 
 
 def _patterns(now: Damage, stand: MotionPlan, start: MotionPlan) -> tuple[FootfallPattern, ...]:

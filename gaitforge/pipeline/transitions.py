@@ -12,6 +12,7 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.sparing import spared
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.tries import Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
@@ -27,8 +28,9 @@ def plan_change(
     """The transition from one gait into another; `leave`: the one column at which the first may be left.
 
     With the best pair of phases the plan joins the gaits as `meeting` turns them.
-    Tries are made in batches; of the first batch in which any has a plan, the cheapest is taken.  Where it is not
-    sound (`_Found`), up to `SECOND_LOOKS` more batches are asked for one that is.
+    Tries are made in batches; of the first batch in which any has a plan, the cheapest is taken, if need be with
+    bounds on the motors' efforts (`spared`).  Where it is not sound (`_Found`), up to `SECOND_LOOKS` more batches are
+    asked for one that is.
     Raises `InfeasibleFootfall` when no number of columns has a pattern, `UnsolvedError` when no try had a plan.
     """
     from gaitforge.motion.transition import plan_transition
@@ -54,7 +56,11 @@ def plan_change(
         attempts += left
         for one in left:
             watch.progress("motion", f"{name}: {one.what}: left ({one.why})")
-        found += [_Found.of(robot, r.what, plan, r.seconds) for r in results if plan is not None and r.plan is plan]
+        if plan is not None:
+            with watch.stage("motion"):
+                taken = next(spared(t, r) for t, r in zip(batch, results, strict=True) if r.plan is plan)
+            assert taken.plan is not None
+            found.append(_Found.of(robot, taken.what, taken.plan, taken.seconds))
         if plan is not None and found[-1].sound:
             break
         looks += bool(found)

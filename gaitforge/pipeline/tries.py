@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
-from multiprocessing import current_process, get_context
+from multiprocessing import active_children, current_process, get_context
 from types import TracebackType
 from typing import Any, Literal
 
@@ -71,6 +71,14 @@ def attempt(one: Try) -> Result:
 def unexplained(options: MotionOptions | None) -> MotionOptions:
     """Options for one try of many: why it has no plan is asked of one of them, when all have failed."""
     return replace(options or MotionOptions(), explain=False)
+
+
+def quick(options: MotionOptions) -> MotionOptions:
+    """The options without a slow second solver: there is something else to try."""
+    from gaitforge.motion.solvers.structured import Structured
+
+    solver = options.solver
+    return replace(options, solver=replace(solver, fallback=None)) if isinstance(solver, Structured) else options
 
 
 def why(one: Try | None) -> dict[str, Any]:
@@ -148,6 +156,9 @@ class Workers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if error is not None and self._pool is not None:  # nobody waits for what is still running
+            for process in active_children():
+                process.terminate()
         self.close()
 
 
