@@ -141,14 +141,18 @@ def plan_rise(
     for a moment.  Those that still touch the ground up there fold the rest when the body dips.
     """
     options, top = options or MotionOptions(), backwards(start, name)
-    # where limp limbs hang once the body is up there is ground below a body that is down: nobody keeps clear of that
-    limp = {link for n in start.limp for link in robot.limb(n).links}
-    bare = replace(robot, capsules=tuple(c for c in robot.capsules if c.link not in limp))
+    bare = _unobstructed(robot, start.limp)
     base = end_state(robot, top, stopped=True).base
     down = _moved(bare, top, start.roles, np.array([0.0, 0.0, height, 0.0, 0.0, 0.0]), name, options, {})
     low = base - [0.0, 0.0, DIP_M, 0.0, 0.0, 0.0]
     dip = _moved(bare, top, start.roles, low, f"{name}_dip_down", options, {}, DIP_S)
     return backwards(down, name), dip, backwards(dip, f"{name}_dip_up")
+
+
+def _unobstructed(robot: RobotModel, limbs: tuple[str, ...]) -> RobotModel:
+    """The robot without the bodies of limp limbs: where they hang once it stands high is ground while it is low."""
+    limp = {link for name in limbs for link in robot.limb(name).links}
+    return replace(robot, capsules=tuple(c for c in robot.capsules if c.link not in limp))
 
 
 def backwards(plan: MotionPlan, name: str) -> MotionPlan:
