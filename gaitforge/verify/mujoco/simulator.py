@@ -102,7 +102,9 @@ class MujocoSimulator:
         with quiet():
             welds = welds_of(timeline)
             world = build_world(robot, scene, self.physics(), welds)
-            ahead = self.effort_feedforward * planned_efforts(robot, timeline, plan, self.rate_hz)
+            ahead = np.zeros_like(plan.joint_positions)
+            if self.effort_feedforward:
+                ahead = self.effort_feedforward * planned_efforts(robot, timeline, plan, self.rate_hz)
             self._settle(world, robot, plan, ahead[0])
             recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
             feedback = AimFeedback(world, robot, timeline, plan, self.aim_feedback_hz)
