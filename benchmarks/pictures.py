@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gaitforge.cli import main as gaitforge
 from gaitforge.record.files import write_bytes
-from gaitforge.record.poses import recorded_poses
+from gaitforge.record.poses import RecordedPoses, recorded_poses
 from gaitforge.record.reader import RunLog, read_run
 from gaitforge.verify.clips import webp
 from gaitforge.verify.pictures import View, frames, render, view_of
@@ -71,30 +71,32 @@ def run(demonstration: Demonstration, folder: Path) -> list[RunLog]:
     """Its logs, from a run made in the folder unless they are there."""
     files = [folder / name for name in demonstration.logs]
     if not all(file.exists() for file in files):
-        gaitforge([*demonstration.command, f"hydra.run.dir={folder}"])
+        code = gaitforge([*demonstration.command, f"hydra.run.dir={folder}"])
+        if code:
+            raise SystemExit(f"{' '.join(demonstration.command)} ended with {code}: there is nothing to show")
     return [read_run(file) for file in files]
 
 
 def draw(name: str, logs: list[RunLog], folder: Path) -> list[Path]:
     """The files drawn: stills of the first log, and the clip of all."""
     demonstration, files = DEMONSTRATIONS[name], []
-    first = logs[0]
+    first, poses = logs[0], [recorded_poses(log) for log in logs]
     view = demonstration.view or view_of(first.scene)
     for file, segment in demonstration.stills:
         (entry,) = (e for e in first.timeline.entries if e.plan.name == segment)
         middle = [0.5 * (entry.start + entry.end)]
         look = {"yaw_deg": view.yaw_deg, "pitch_deg": view.pitch_deg, "ahead": view.ahead}
-        poses = recorded_poses(first)
-        (picture,) = render(first.robot, poses, first.scene, middle, distance=view.distance, **look)
+        (picture,) = render(first.robot, poses[0], first.scene, middle, distance=view.distance, **look)
         files.append(folder / f"{file}.png")
         write_bytes(files[-1], picture)
     files.append(folder / f"{name}.webp")
-    write_bytes(files[-1], webp(_beside([_frames(log, view) for log in logs]), FRAMES_HZ))
+    write_bytes(
+        files[-1], webp(_beside([_frames(log, p, view) for log, p in zip(logs, poses, strict=True)]), FRAMES_HZ)
+    )
     return files
 
 
-def _frames(log: RunLog, view: View) -> Iterator[NDArray[np.uint8]]:
-    poses = recorded_poses(log)
+def _frames(log: RunLog, poses: RecordedPoses, view: View) -> Iterator[NDArray[np.uint8]]:
     times = np.arange(poses.times[0], poses.times[-1], 1.0 / FRAMES_HZ).tolist()
     return frames(log.robot, poses, log.scene, times, CLIP, view)
 

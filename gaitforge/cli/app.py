@@ -8,6 +8,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 INTERRUPTED = 130
+NO_RUN = {"--help", "-h", "--hydra-help", "--cfg", "-c", "--info", "-i", "--shell-completion", "-sc"}
+"""Flags of Hydra that show something instead of running it"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -133,10 +136,8 @@ def _allowed_packages(arguments: list[str]) -> tuple[list[str], tuple[str, ...]]
 
 def _with_simulator(arguments: list[str]) -> list[str]:
     """MuJoCo where PyBullet is not installed and nobody asked for a simulator, nor for anything but a run."""
-    from gaitforge.verify.pybullet.client import has_pybullet
-
-    named = ("verify=", "experiment=", "-")
-    if has_pybullet() or any(item.startswith(named) and item not in ("-m", "--multirun") for item in arguments):
+    asked = {item.lstrip("+~").split("=")[0] for item in arguments}
+    if asked & {*NO_RUN, "verify", "experiment"} or find_spec("pybullet") is not None:
         return arguments
     _say("gaitforge: PyBullet is not installed (no wheels for Python 3.12 on), MuJoCo judges: verify=mujoco")
     return [*arguments, "verify=mujoco"]

@@ -43,11 +43,13 @@ class Narrator:
 
 def summary_text(outcome: RunOutcome) -> str:
     """The closing summary: segments with planned and measured speeds, verdict, files, how to open the log."""
-    from gaitforge.report.text import checks_text, ignored_text, opinions_text, problem_text, segments_text
+    from gaitforge.report.text import checks_text, ignored_text, opinions_text, problem_text, segments_text, welded_text
 
     summary = outcome.summary
     parts = [segments_text(summary)] if summary["segments"] else []
     parts.append(_verdict(outcome))
+    if summary["welded"]:
+        parts.append(welded_text(summary))
     if summary["opinions"]:
         parts.append(opinions_text(summary))
     if summary["ignored_contacts"]:

@@ -89,6 +89,7 @@ class PhaseConf(WalkConf):
     ready_aside: float | None = None
     ready_above: float | None = None
     crouch: float | None = None
+    grasp: str | None = None
     onto: str | None = None
     failure: Any = None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import matrices
 
 Array = NDArray[np.float64]
-EVEN = 1.0
+EVEN = 0.8
 """[-] what it costs to depart from the feet's shares of the plan, over what effort costs: at 0 feet push each other
 as hard as spares the motors most, which takes more friction than there is; far above 1 they do not push at all"""
 SINGULAR = 1e-9
@@ -28,8 +28,10 @@ def planned_efforts(robot: RobotModel, timeline: Timeline, rows: TimelineSamples
 
     The forces f_i below the feet balance the wrench b [N, N m] of the base, Σ G_i f_i = b with G_i = [1; r_i×], and
     minimise Σ_joints (τ / limit)² + c Σ_i |f_i|² / w_i: motors are spared, and a foot bears little where its share
-    w_i (`foot_shares`) is small.  c is `EVEN` times what a force costs in the mean.  With c → ∞ and nothing but
-    weight to bear f_i = m g w_i.  Loads count, also what tips have lifted.  At the ends of a segment, where speeds may
+    w_i (`foot_shares`) is small.  c is `EVEN` times what a force costs in the mean, over the number of feet that
+    share, 1 / Σ w_i².  With c → ∞ and nothing but
+    weight to bear f_i = m g w_i.  Loads count, also what tips have lifted, in what the feet bear: the limbs that
+    hold it squeeze besides.  At the ends of a segment, where speeds may
     jump, accelerations are one-sided.
     """
     efforts, shares = np.zeros_like(rows.joint_positions), foot_shares(timeline, rows)
@@ -84,7 +86,11 @@ def _dynamics(robot: RobotModel, base: Array, joints: Array, rate_hz: float) -> 
 
 
 def _rate(values: Array, rate_hz: float) -> Array:
-    return np.asarray(np.gradient(values, 1.0 / rate_hz, axis=0)) if len(values) > 1 else np.zeros_like(values)
+    """Of values rate_hz a second, exact for parabolas to the very ends, where speeds may jump to those of others."""
+    if len(values) < 2:
+        return np.zeros_like(values)
+    edge: Literal[1, 2] = 2 if len(values) > 2 else 1
+    return np.asarray(np.gradient(values, 1.0 / rate_hz, axis=0, edge_order=edge))
 
 
 def _borne(plan: MotionPlan, base: Array, loads: dict[str, Array]) -> Array:
@@ -122,8 +128,8 @@ def _forces(wrench: Array, feet: _Feet, ratios: Array, shares: Array) -> Array:
         scaled = limbs.jacobians / limbs.limits[:, None, None]
         H[:, limbs.members] = np.einsum("lnij,lnkj->nlik", scaled, scaled)
         h[:, limbs.members] = np.einsum("lnij,nlj->nli", scaled, ratios[:, limbs.rows])
-    standing = np.maximum((shares > 0.0).sum(axis=1), 1)
-    cost = EVEN * np.trace(H, axis1=2, axis2=3).mean() / 3.0 / standing
+    cost = EVEN * np.trace(H, axis1=2, axis2=3).mean() / 3.0 * (shares**2).sum(axis=1)
+    cost = np.where(cost > 0.0, cost, 1.0)  # no foot stands: there is nothing to share
     w = shares[:, :, None, None]
     give = w * np.linalg.inv(w * H + cost[:, None, None, None] * np.eye(3))
     G = np.zeros((len(wrench), count, 6, 3))

@@ -14,7 +14,8 @@ TINY = 1e-9
 
 
 def foot_shares(timeline: Timeline, rows: TimelineSamples) -> Array:
-    """(n, n_F) share of the weight that each foot bears, by the weights of the plans' CoP; a row sums up to 1.
+    """(n, n_F) share of the weight that each foot bears, by the weights of the plans' CoP; a row sums up to 1, or is
+    0 where no foot stands.
 
     Linear within an interval.  Where feet only lift, the weights after it are reached before it, and where feet only
     land, those before it are left after it: load comes and goes while a foot stands.  Where some lift and others

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,25 +35,39 @@ def solve_refined(segment: Segment, options: MotionOptions) -> MotionPlan:
     who is in the way.
     """
     goal = _goal(segment, options)
-    try:
-        return _over_shares(segment, goal)
-    except UnsolvedError:
-        if goal is options:
-            raise
-        return _pushed(_over_shares(segment, options), goal.ground_tolerance)
+    plan, failures = _over_shares(segment, goal, options.ground_tolerance)
+    if plan is None and goal is not options and any(f.pushed for f in failures):
+        plan = failures[0].nearly or _pushed(segment, options, goal.ground_tolerance)
+    if plan is None:
+        raise failures[-1].error
+    return plan
+
+
+class _Failure(NamedTuple):
+    """Why a stability share has no plan."""
+
+    error: UnsolvedError
+    pushed: bool
+    """Was a finer grid taken because of the ground?"""
+    nearly: MotionPlan | None
+    """The plan, before finer grids had none, that missed nothing but the tighter of two tolerances of the ground"""
 
 
 def _goal(segment: Segment, options: MotionOptions) -> MotionOptions:
     """The options; for a transition between gaits that ever stands on few feet with its own tolerance of the ground."""
     grid = segment.grid
     walks = all(end is not None and end.base_velocity.any() for end in (grid.start, grid.end))
-    if not walks or int(grid.contact.sum(axis=1).min()) > FEW_FEET:
+    tighter = options.change_tolerance < options.ground_tolerance
+    if not (tighter and walks and int(grid.contact.sum(axis=1).min()) <= FEW_FEET):
         return options
-    return replace(options, ground_tolerance=min(options.ground_tolerance, options.change_tolerance))
+    return replace(options, ground_tolerance=options.change_tolerance)
 
 
-def _pushed(plan: MotionPlan, tolerance: float) -> MotionPlan:
+def _pushed(segment: Segment, options: MotionOptions, tolerance: float) -> MotionPlan | None:
     """A plan that keeps its feet out of the ground as well as a gait does, with what it missed of the tolerance."""
+    plan, _ = _over_shares(segment, options, options.ground_tolerance)
+    if plan is None:
+        return None
     deep = plan.report.details["penetration_m"]
     report = replace(plan.report, details={**plan.report.details, "ground_tolerance_m": tolerance})
     told = (_in_the_ground(deep),) if deep > tolerance else ()
@@ -63,49 +78,54 @@ def _in_the_ground(deep: float) -> str:
     return f"feet {1e3 * deep:.1f} mm into the ground between samples"
 
 
-def _over_shares(segment: Segment, options: MotionOptions) -> MotionPlan:
-    """The plan of the first stability share that has one, else the failure of the last."""
-    failure: UnsolvedError | None = None
+def _over_shares(segment: Segment, options: MotionOptions, ground: float) -> tuple[MotionPlan | None, list[_Failure]]:
+    """The plan of the first stability share that has one, and the failures of those before it."""
+    failures: list[_Failure] = []
     for share in options.stability_shares:
-        try:
-            plan = _refined(segment, replace(options, stability_share=share))
-        except UnsolvedError as error:
-            failure = error
-            continue
-        relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
-        return replace(plan, relaxed=(*plan.relaxed, *relaxed))
-    assert failure is not None
-    raise failure
+        found = _refined(segment, replace(options, stability_share=share), ground)
+        if isinstance(found, MotionPlan):
+            relaxed = () if share == options.stability_shares[0] else (f"stability share {share:g}",)
+            return replace(found, relaxed=(*found.relaxed, *relaxed)), failures
+        failures.append(found)
+    return None, failures
 
 
-def _refined(segment: Segment, options: MotionOptions) -> MotionPlan:
-    """Solve on the asked grid, then with what the dense check asks for."""
+def _refined(segment: Segment, options: MotionOptions, ground: float) -> MotionPlan | _Failure:
+    """Solve on the asked grid, then with what the dense check asks for; a plan that misses nothing but the ground,
+    and that by less than `ground` [m], is remembered."""
     remedies = Remedies(_role_changes(segment))
     answered: tuple[str, ...] = ()
     start: Solution | None = None
+    nearly: Callable[[], MotionPlan] | None = None
+
+    def failure(error: UnsolvedError) -> _Failure:
+        pushed = any("ground" in entry["for"] for entry in remedies.log)
+        return _Failure(error, pushed, nearly() if nearly else None)
+
     bound = f"{options.refinements} refinements"
     for turn in range(options.refinements + 1):
         solution, plan = segment.solve(remedies.applied(options), remedies.families, start)
         remedies.record(answered, plan.report)
         if not solution.solved:
-            raise _unsolved(segment, solution, turn, _in_the_way(segment, options, remedies, solution))
+            return failure(_unsolved(segment, solution, turn, _in_the_way(segment, options, remedies, solution)))
         report = check_densely(segment.robot, plan, options.clearance + NEAR_M)
         missed, start = misses(segment, options, report), solution
         if not missed:
             return _reported(segment, plan, options, report, remedies)
+        answered = tuple(m.family for m in missed)
+        if nearly is None and set(answered) == {"ground"} and report.penetration <= ground:
+            nearly = partial(_reported, segment, plan, options, report, remedies)
         if remedies.work >= options.iterations:
             bound = f"{options.iterations} iterations (motion.iterations)"
             break
-        answered = tuple(m.family for m in missed)
         finer = _finer(segment, options, report)
         remedies.answer(segment, options, report)
         if finer > segment.grid.samples_per_column:
             remedies.move_to(finer, segment.grid.samples_per_column)
             segment, start = segment.on_grid(finer), None
-    raise UnsolvedError(
-        f"{segment.name}: after {bound} the spline still misses a bound: " + ", ".join(m.text for m in missed),
-        {"segment": segment.name, **as_explain(causes_of_misses(missed)), **report.as_dict()},
-    )
+    text = f"{segment.name}: after {bound} the spline still misses a bound: " + ", ".join(m.text for m in missed)
+    explain = {"segment": segment.name, **as_explain(causes_of_misses(missed)), **report.as_dict()}
+    return failure(UnsolvedError(text, explain))
 
 
 def _finer(segment: Segment, options: MotionOptions, report: DenseReport) -> int:

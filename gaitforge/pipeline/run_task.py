@@ -93,6 +93,7 @@ def _finish(
             timings=watch.timings(),
             opinions=opinions(verdict) if verdict else None,
             ignored_contacts=verdict.ignored_contacts if verdict else None,
+            welded=verdict.welded if verdict else (),
             explain=getattr(error, "explain", None),
             error=_error_entry(error) if status == "error" else None,
         )

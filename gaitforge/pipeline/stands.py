@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from typing import Literal
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.segment import Attempt, Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.tries import unexplained
 from gaitforge.robot.model import RobotModel
@@ -45,21 +46,26 @@ def plan_end(robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopw
     from gaitforge.motion.rotate import rotated
 
     quick = replace(options, motion=unexplained(options.motion))
-    try:
-        return [Segment(_plan("stop", robot, gait, quick, watch, name, 1.0))]
-    except UnsolvedError as error:
-        watch.progress("motion", f"{name} at the end of a cycle: left ({error})")
+    left: list[Attempt] = []
     found: list[tuple[int, MotionPlan]] = []
-    for column in range(1, gait.pattern.columns):
+    for column in range(gait.pattern.columns):
+        begin = time.perf_counter()
         try:
-            found.append((column, _plan("stop", robot, rotated(gait, column), quick, watch, name, 1.0)))
+            plan = _plan("stop", robot, rotated(gait, column) if column else gait, quick, watch, name, 1.0)
         except UnsolvedError as error:
-            watch.progress("motion", f"{name} at column {column}: left ({error})")
+            left.append(Attempt(f"{name} at column {column}", str(error), time.perf_counter() - begin))
+            watch.progress("motion", f"{left[-1].what}: left ({error})")
+            continue
+        if column == 0:
+            return [Segment(plan)]
+        found.append((column, plan))
+        if not plan.relaxed:
+            break
     if not found:
         return [Segment(plan_stand("stop", robot, gait, options, watch, name))]
     column, plan = min(found, key=lambda one: (len(one[1].relaxed), float(one[1].report.details["effort_ratio"])))
     watch.progress("motion", f"{name}: the gait goes on to column {column} of {gait.pattern.columns}")
-    return [Segment(begun(gait, column, f"{gait.name}_until_{name}")), Segment(plan)]
+    return [Segment(begun(gait, column, f"{gait.name}_until_{name}")), Segment(plan, left=tuple(left))]
 
 
 def _plan(

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
-from multiprocessing import current_process, get_context
+from multiprocessing import active_children, current_process, get_context
 from types import TracebackType
 from typing import Any, Literal
 
@@ -156,6 +156,9 @@ class Workers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if error is not None and self._pool is not None:  # nobody waits for what is still running
+            for process in active_children():
+                process.terminate()
         self.close()
 
 

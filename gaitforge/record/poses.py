@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitforge.errors import InputError, Problem
 from gaitforge.record.reader import RunLog
 from gaitforge.robot.rotation import matrices_of_quaternions, poses_of
 
@@ -31,7 +32,10 @@ class RecordedPoses:
 
 
 def recorded_poses(log: RunLog) -> RecordedPoses:
-    """The topics ``/sim/base``, ``/sim/joint_states`` and ``/viz/loads`` of a log."""
+    """The topics ``/sim/base``, ``/sim/joint_states`` and ``/viz/loads`` of a log.
+
+    Raises `InputError` when the log has none of the loads that its scene speaks of.
+    """
     base = [(time, _pose(message.pose)) for time, message in log.messages("/sim/base")]
     times, places = np.array([time for time, _ in base]), np.array([pose for _, pose in base])
     poses = poses_of(places[:, :3], matrices_of_quaternions(places[:, 3:]))
@@ -49,6 +53,8 @@ def _objects(log: RunLog, times: Array) -> dict[str, Array]:
         cubes = {entity.id: entity.cubes[0] for entity in update.entities if entity.cubes}
         stamps.append(time)
         drawn.append([_pose(cubes[name].pose) for name in movable])
+    if not stamps:
+        raise InputError(Problem(str(log.path), "/viz/loads", "no message", "the places of " + ", ".join(movable)))
     rows = np.clip(np.searchsorted(np.array(stamps), times + 1e-9, side="right") - 1, 0, None)
     found = np.array(drawn)[rows]
     return {name: found[:, k] for k, name in enumerate(movable)}

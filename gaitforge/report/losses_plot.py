@@ -14,7 +14,8 @@ COLORS = {"verified": PLANNED, "infeasible": FAINT, "unverified": SWING, "unsolv
 def losses_png(rows: Sequence[Mapping[str, Any]]) -> bytes:
     """PNG of the share of rows that have each status, by robot, mode, number of lost limbs and simulator.
 
-    A row without a simulator, one that is infeasible say, counts in the bar of each.
+    A row without a simulator, one that is infeasible say, counts in the bar of each of those that its robot and mode
+    were judged by.
     """
     bars = _counted(rows)
     figure = new_figure(7.0, 0.9 + 0.4 * len(bars))
@@ -37,12 +38,13 @@ def losses_png(rows: Sequence[Mapping[str, Any]]) -> bytes:
 
 def _counted(rows: Sequence[Mapping[str, Any]]) -> dict[str, Counter[str]]:
     """Label of a bar → how many of its rows have which status."""
-    simulators = list(dict.fromkeys(r["simulator"] for r in rows if r.get("simulator")))
+    named = [(r["robot"], r["mode"], r["simulator"]) for r in rows if r.get("simulator")]
+    several = len({simulator for *_, simulator in named}) > 1
     bars: dict[str, Counter[str]] = {}
     for row in rows:
         label = f"{row['robot']}, {row['lost']} {row['mode']}"
-        own = row.get("simulator")
-        for simulator in [own] if own else simulators or [None]:
-            key = label if len(simulators) < 2 else f"{label}, {simulator}"
+        asked = dict.fromkeys(s for robot, mode, s in named if (robot, mode) == (row["robot"], row["mode"]))
+        for simulator in [row["simulator"]] if row.get("simulator") else [*asked] or [None]:
+            key = f"{label}, {simulator}" if several and simulator else label
             bars.setdefault(key, Counter())[row["status"]] += 1
     return bars

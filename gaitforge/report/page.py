@@ -9,7 +9,7 @@ from html import escape
 from typing import Any
 
 from gaitforge.record.files import write_text
-from gaitforge.report.text import ignored_text, mark, number, opinions_text, problem_cells
+from gaitforge.report.text import ignored_text, mark, number, opinions_text, problem_cells, welded_text
 
 STYLE = """
 :root { color-scheme: light; }
@@ -77,6 +77,7 @@ def write_report_html(
         _images("Footfall", [(caption, png) for caption, png in plots if png]),
         _text("Second opinion", opinions_text(summary).splitlines()) if summary["opinions"] else "",
         _checks(summary["checks"]),
+        _text("Welded grasp", [welded_text(summary)]) if summary["welded"] else "",
         _text("Ignored contacts", ignored_text(summary).splitlines()) if summary["ignored_contacts"] else "",
         _problems(summary["segments"]),
         _explain(summary),

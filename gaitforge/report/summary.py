@@ -30,6 +30,7 @@ def build_summary(
     timings: Mapping[str, float] | None = None,
     opinions: Mapping[str, Any] | None = None,
     ignored_contacts: Mapping[str, Any] | None = None,
+    welded: Sequence[str] = (),
     explain: Mapping[str, Any] | None = None,
     error: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
@@ -45,6 +46,8 @@ def build_summary(
         What `gaitforge.verify.agreement.opinions` gave.
     ignored_contacts
         `Verdict.ignored_contacts`.
+    welded
+        `Verdict.welded`.
     error
         `GaitforgeError.as_dict()` of what ended the run.
 
@@ -68,6 +71,7 @@ def build_summary(
         "timings_s": {stage: round(float((timings or {}).get(stage, 0.0)), 4) for stage in STAGES},
         "opinions": dict(opinions) if opinions else None,
         "ignored_contacts": dict(ignored_contacts or {}),
+        "welded": list(welded),
         "explain": dict(explain) if explain else None,
         "error": {key: error.get(key) for key in ERROR_KEYS} if error else None,
     }

@@ -95,6 +95,11 @@ def ignored_text(summary: Mapping[str, Any]) -> str:
     )
 
 
+def welded_text(summary: Mapping[str, Any]) -> str:
+    """What a weld held, where friction would have had to; empty when nothing was welded."""
+    return f"held by a weld, not by friction: {', '.join(summary['welded'])}" if summary["welded"] else ""
+
+
 def problem_text(rows: Sequence[Mapping[str, Any]]) -> str:
     """What a motion problem consisted of, by family."""
     header = ("family", "kind", "rows", "variables", "instances", "at a bound [%]", "cost", "enforced")

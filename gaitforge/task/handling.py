@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 GROUND = "ground"
+GraspKind = Literal["friction", "weld"]
+GRASPS: tuple[GraspKind, ...] = ("friction", "weld")
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,8 @@ class Pick:
     """[m] … and above where they touch it"""
     crouch: float = 0.0
     """[m] that the body is lower while it reaches: it rises with the load"""
+    grasp: GraspKind = "friction"
+    """What holds it in simulation; the verdict names a weld"""
 
 
 @dataclass(frozen=True)

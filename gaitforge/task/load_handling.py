@@ -8,7 +8,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from gaitforge.errors import InputError
-from gaitforge.task.handling import GROUND, Pick, Place
+from gaitforge.task.handling import GRASPS, GROUND, Pick, Place
 from gaitforge.task.phase import Phase
 from gaitforge.task.reader import Reader
 from gaitforge.task.scene import Scene
@@ -48,7 +48,10 @@ def handling_phase(reader: Reader, own: Mapping[str, Any], key: str) -> Phase:
         for k, (expected, good) in NUMBERS.items()
         if k in given
     }
-    return Phase(name, "pick", Pick(target, limbs, **values))
+    grasp = given.get("grasp", GRASPS[0])
+    if grasp not in GRASPS:
+        reader.problem(f"{key}.grasp", repr(grasp), " or ".join(GRASPS))
+    return Phase(name, "pick", Pick(target, limbs, **values, grasp=grasp))
 
 
 def check_handling(reader: Reader, phases: Sequence[Phase], scene: Scene, robot: RobotModel | None) -> None:

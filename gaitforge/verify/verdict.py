@@ -50,6 +50,12 @@ class Verdict:
         return {simulator: pairs for simulator, pairs in found.items() if pairs}
 
     @property
+    def welded(self) -> tuple[str, ...]:
+        """Objects that a weld held, and not friction."""
+        held = (h for entry in self.timeline.entries for h in entry.plan.holdings if h.welded)
+        return tuple(dict.fromkeys(h.object for h in held))
+
+    @property
     def passed(self) -> bool:
         """Verified, by every simulator that was asked?"""
         return all(c.passed for c in self.checks)

@@ -37,14 +37,15 @@ def test_mujoco_verifies_and_records_a_walk_without_pybullet(gaitforge: Run) -> 
 
 
 @pytest.mark.usefixtures("without_pybullet")
-@pytest.mark.parametrize("asked", ["verify=pybullet", "experiment=table1", "--help", "--cfg"])
+@pytest.mark.parametrize("asked", ["verify=pybullet", "+verify=mujoco", "experiment=table1", "--help", "--cfg"])
 def test_what_was_asked_for_is_left_as_it_is(asked: str) -> None:
     assert _with_simulator(["robot=hexapod", asked]) == ["robot=hexapod", asked]
 
 
 @pytest.mark.usefixtures("without_pybullet")
-def test_a_sweep_is_judged_by_mujoco_too() -> None:
-    assert _with_simulator(["--multirun", "task=walk"]) == ["--multirun", "task=walk", "verify=mujoco"]
+@pytest.mark.parametrize("flag", [["--multirun"], ["--config-dir", "mine"], ["verify.friction=0.5"]])
+def test_sweeps_and_own_tasks_are_judged_by_mujoco_too(flag: list[str]) -> None:
+    assert _with_simulator([*flag, "task=walk"]) == [*flag, "task=walk", "verify=mujoco"]
 
 
 @pytest.mark.usefixtures("without_pybullet")

@@ -6,7 +6,10 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+
+import pytest
 
 from gaitforge import __version__
 from gaitforge.resources import conf_dir
@@ -95,25 +98,31 @@ def test_an_interrupt_during_the_optimisation_is_not_lost(tmp_path: Path) -> Non
     assert not list(tmp_path.rglob("summary.json"))
 
 
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="reads the process table")
 def test_an_experiment_that_is_terminated_ends_its_processes(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "gaitforge", "experiment=table1", "experiment.workers=2"]
     run = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     children = Path(f"/proc/{run.pid}/task/{run.pid}/children")
     started: list[int] = []
-    for _ in range(600):
-        started = [int(pid) for pid in children.read_text().split()]
-        if len(started) >= 3:  # the workers, and what keeps account of shared resources
-            break
-        time.sleep(0.1)
-    assert len(started) >= 3
-    run.send_signal(signal.SIGTERM)
-    _, err = run.communicate(timeout=60)
-    assert (run.returncode, err) == (130, "gaitforge: interrupted\n")
-    for _ in range(100):  # the account of shared resources is closed last
-        if not any(Path(f"/proc/{pid}").exists() for pid in started):
-            break
-        time.sleep(0.1)
-    assert not [pid for pid in started if Path(f"/proc/{pid}").exists()]
+
+    def within(seconds: float, holds: Callable[[], bool]) -> bool:
+        until = time.monotonic() + seconds
+        while not (done := holds()) and time.monotonic() < until:
+            time.sleep(0.1)
+        return done
+
+    def working() -> bool:  # the workers, and what keeps account of shared resources
+        started[:] = [int(pid) for pid in children.read_text().split()]
+        return len(started) >= 3
+
+    try:
+        assert within(60.0, working)
+        run.send_signal(signal.SIGTERM)
+        _, err = run.communicate(timeout=60)
+        assert (run.returncode, err) == (130, "gaitforge: interrupted\n")
+        assert within(10.0, lambda: not any(Path(f"/proc/{pid}").exists() for pid in started))
+    finally:
+        run.kill()
 
 
 def test_the_footfall_search_leaves_the_handling_of_interrupts_to_python(tmp_path: Path) -> None:

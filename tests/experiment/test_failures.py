@@ -77,6 +77,8 @@ def test_the_picture_counts_every_row_once_in_the_bar_of_its_simulator() -> None
         "hexapod, 2 locked, mujoco": {"infeasible": 1, "unsolved": 1},
     }
     assert list(_counted(rows[::2])) == ["hexapod, 1 locked", "hexapod, 2 locked"]
+    limp = {**case, "mode": "limp", "lost": 2, "status": "infeasible"}
+    assert _counted([*rows, limp])["hexapod, 2 limp"] == {"infeasible": 1}
     assert losses_png(rows)[:4] == b"\x89PNG"
     assert losses_png(rows) == losses_png(list(rows))
     assert losses_png(rows) != losses_png(rows[:3])

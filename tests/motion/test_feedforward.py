@@ -198,3 +198,22 @@ def vertical(robot: RobotModel, plan: MotionPlan, joints: np.ndarray, efforts: n
     rows = contact_rows(robot, q, np.flatnonzero(plan.pattern.contact[:, 0]))[:, order]
     forces, *_ = np.linalg.lstsq(rows.T, gravity[order] - efforts, rcond=None)
     return float(forces.reshape(-1, 3)[:, 2].sum())
+
+
+def test_rates_of_a_parabola_are_exact_to_its_ends() -> None:
+    t = np.arange(50) / RATE
+    rate = feedforward._rate((1.5 * t**2 - t)[:, None], RATE)[:, 0]
+    np.testing.assert_allclose(rate, 3.0 * t - 1.0, atol=1e-9)
+    np.testing.assert_allclose(feedforward._rate(rate[:, None], RATE)[:, 0], 3.0, atol=1e-6)
+    assert feedforward._rate(np.ones((1, 3)), RATE).tolist() == [[0.0] * 3]
+
+
+def test_efforts_come_and_go_with_the_load_of_a_foot(hexapod: RobotModel, penta: MotionPlan) -> None:
+    timeline = build_timeline(hexapod, [(penta, 1)])
+    rows = planned_rows(timeline, RATE)
+    efforts = planned_efforts(hexapod, timeline, rows, RATE)
+    lifts_and_lands = np.diff(rows.contact.astype(int), axis=0)
+    alike = (lifts_and_lands >= 0).all(axis=1) | (lifts_and_lands <= 0).all(axis=1)
+    moved = lifts_and_lands.any(axis=1) & alike
+    assert moved.sum() >= 4
+    assert np.abs(np.diff(efforts, axis=0))[moved].max() < 0.4

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
+from multiprocessing import active_children
 from typing import Any
 
 import numpy as np
@@ -138,6 +140,24 @@ def test_what_a_dead_process_leaves_undone_is_done_here(hexapod: RobotModel, mon
         results = workers.run(tries(hexapod)[:2])
     assert results[0].plan is not None
     assert isinstance(results[1].error, InfeasibleMotion)
+
+
+@pytest.mark.usefixtures("idle")
+def test_an_interrupt_waits_for_no_process(hexapod: RobotModel) -> None:
+    def interrupted() -> None:
+        with Workers(2) as workers:
+            workers._submit(tries(hexapod)[0])
+            assert workers._pool is not None
+            workers._pool.submit(time.sleep, 60.0)
+            raise KeyboardInterrupt
+
+    before, begin = set(active_children()), time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    for process in set(active_children()) - before:
+        process.join(20.0)
+    assert set(active_children()) <= before
+    assert time.perf_counter() - begin < 40.0
 
 
 def test_bad_input_is_no_result_but_an_error(hexapod: RobotModel) -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from gaitforge.errors import InfeasibleFootfall, InputError, Problem
 from gaitforge.report.summary import build_summary, segment_entries, segment_entry, write_summary
-from gaitforge.report.text import checks_text, ignored_text, opinions_text
+from gaitforge.report.text import checks_text, ignored_text, opinions_text, welded_text
 from gaitforge.verify.agreement import opinions
 
 SCHEMA = json.loads((Path(__file__).parents[1] / "contracts" / "summary.schema.json").read_text())
@@ -84,6 +84,13 @@ def test_links_that_were_let_through_each_other_are_told(verdict):
     assert summary["ignored_contacts"] == {"pybullet": [["base", "thigh"], ["base", "hip"]]}
     assert ignored_text(summary).endswith("base and thigh, base and hip")
     assert ignored_text(check(finished(verdict))) == ""
+
+
+def test_what_a_weld_held_is_told(verdict):
+    summary = check(finished(verdict, welded=("box",)))
+    assert summary["welded"] == ["box"]
+    assert welded_text(summary) == "held by a weld, not by friction: box"
+    assert welded_text(check(finished(verdict))) == ""
 
 
 def test_an_infeasible_run_explains_itself(verdict):

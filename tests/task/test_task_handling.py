@@ -63,6 +63,7 @@ def test_who_holds_a_box_picks_up_no_other_after_a_walk(hexapod: RobotModel) -> 
         ([{**PICK, "limbs": ["L1", "gripper_L1"]}, WALK], "phases.0.limbs"),
         ([{**PICK, "limbs": ["L1", "R9"]}, WALK], "phases.0.limbs"),
         ([{**PICK, "limbs": None}, WALK], "phases.0.limbs"),
+        ([{**PICK, "grasp": "glue"}, WALK], "phases.0.grasp"),
         ([{**PICK, "squeeze": 0}, WALK], "phases.0.squeeze"),
         ([{**PICK, "speed": 0.1}, WALK], "phases.0.speed"),
         ([{**PICK, "onto": "ground"}, WALK], "phases.0.onto"),

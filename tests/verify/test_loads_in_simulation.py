@@ -11,13 +11,16 @@ import gaitforge as gf
 from gaitforge.motion.manipulation.footing import under_load
 from gaitforge.motion.manipulation.inverse import tip_joints
 from gaitforge.motion.manipulation.pick_place import Carried, State, carry, plan_pick, plan_place
+from gaitforge.motion.timeline import Entry
 from gaitforge.motion.timeline_build import build_timeline
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import quaternions
-from gaitforge.task.handling import Pick
+from gaitforge.task.handling import GraspKind, Pick
 from gaitforge.task.scene import Scene, SceneObject
 from gaitforge.verify.grasps import load_errors
 from gaitforge.verify.mujoco import MujocoSimulator
+from gaitforge.verify.pybullet import PyBulletSimulator
+from gaitforge.verify.simulator import Simulator
 from gaitforge.verify.verdict import Verdict
 from gaitforge.verify.verify import verify_timeline
 
@@ -40,12 +43,14 @@ def standing(robot: RobotModel, carried: Carried, ahead: float = 0.0) -> State:
     return State(np.array([0.0, 0.0, robot.nominal.body_height, 0.0, 0.0, 0.0]), joints)
 
 
-def lifted_and_put_down(robot: RobotModel, squeeze: float) -> Verdict:
+def lifted_and_put_down(
+    robot: RobotModel, squeeze: float, grasp: GraspKind = "friction", simulator: Simulator | None = None
+) -> Verdict:
     """A hexapod on its four rear legs takes a box from the ground, and puts it back."""
-    carried = carry(robot, BOX, Pick("box", ("L1", "R1"), squeeze), (0.0, 0.0, 0.0))
+    carried = carry(robot, BOX, Pick("box", ("L1", "R1"), squeeze, grasp=grasp), (0.0, 0.0, 0.0))
     rest = standing(robot, carried)
     plans = [*plan_pick(robot, carried, rest, {}), *plan_place(robot, carried, rest, {}, 0.0)]
-    return verify_timeline(robot, build_timeline(robot, [(plan, 1) for plan in plans]), Scene((BOX,)))
+    return verify_timeline(robot, build_timeline(robot, [(plan, 1) for plan in plans]), Scene((BOX,)), simulator)
 
 
 @pytest.fixture(scope="module")
@@ -144,3 +149,26 @@ def test_load_errors_are_a_distance_and_an_angle_in_the_body_frame() -> None:
     other = np.array([[1.0, 2.3, 0.13, *quaternions([0.2, 0.0, np.pi / 2])]])
     far, turned = load_errors(base, other, planned)
     assert (far[0], turned[0]) == (pytest.approx(0.03), pytest.approx(0.2))
+
+
+@pytest.mark.parametrize("simulator", [PyBulletSimulator(), MujocoSimulator()], ids=["pybullet", "mujoco"])
+def test_a_weld_holds_what_tips_that_hardly_press_would_drop_and_lets_go_when_they_open(
+    hexapod: RobotModel, simulator: Simulator
+) -> None:
+    """A squeeze of 2 N: by friction the box stays where it is."""
+    slack = lifted_and_put_down(hexapod, 2.0, simulator=simulator)
+    welded = lifted_and_put_down(hexapod, 2.0, "weld", simulator)
+    assert slack.welded == ()
+    assert welded.welded == ("box",)
+    lift, retract = (_entry(welded, name) for name in ("box_lift", "box_retract"))
+    heights = [v.trace.objects["box"][np.searchsorted(v.trace.times, lift.end), 2] for v in (slack, welded)]
+    assert heights[0] < 0.08
+    assert heights[1] == pytest.approx(0.10, abs=3e-3)
+    assert welded.passed, welded.failed
+    rows = welded.trace.times >= retract.start
+    box = welded.trace.objects["box"][rows]
+    assert np.ptp(box[:, :3], axis=0).max() < 1e-3, "limbs that go away leave it"
+
+
+def _entry(verdict: Verdict, name: str) -> Entry:
+    return next(e for e in verdict.timeline.entries if e.plan.name == name)

@@ -317,7 +317,7 @@ def test_a_verdict_of_mujoco_needs_no_pybullet() -> None:
         "import gaitforge as gf\n"
         "robot = walker(2)\n"
         "print(gf.verify(robot, [(stand_plan(robot, 0.2), 1)], simulator='mujoco').passed)\n"
-        "try:\n    gf.verify(robot, [(stand_plan(robot, 0.2), 1)])\n"
+        "try:\n    gf.verify(robot, [(stand_plan(robot, 0.2), 1)], simulator='pybullet')\n"
         "except gf.errors.SimulationError as error:\n    print(error)\n"
     )
     done = subprocess.run(

@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.report import SolveReport
 
 
 def begun(gait: MotionPlan, columns: int, name: str) -> MotionPlan:
     """The gait from its seam to the end of its first `columns` columns; ValueError unless 0 < columns < m.
 
-    The clamped spline through the same samples with the same velocities at both ends is the gait's own.
+    The clamped spline through the same samples with the same velocities at both ends is the gait's own; what it took
+    to find it stands in the gait's report alone.
     """
     if gait.kind != "gait" or not 0 < columns < gait.pattern.columns:
         raise ValueError(f"{columns} columns of {gait.kind} {gait.name} with {gait.pattern.columns}")
@@ -23,6 +25,7 @@ def begun(gait: MotionPlan, columns: int, name: str) -> MotionPlan:
         gait,
         name=name,
         kind="transition",
+        report=SolveReport(gait.report.status, details={"part_of": gait.name}),
         pattern=replace(gait.pattern, contact=contact, cyclic=False),
         times=gait.times[: last + 1],
         joint_positions=gait.joint_positions[:, : last + 1],

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from gaitforge.task.handling import GraspKind
+
 Array = NDArray[np.float64]
 
 
@@ -31,6 +33,13 @@ class Holding:
     """joint → the effort [N m] that it may use: what it is closed with is the squeeze"""
     mass: float = 0.0
     """[kg] of the object while it is the robot that bears it, once it has left what it stands on"""
+    grasp: GraspKind = "friction"
+    """What holds it in simulation"""
+
+    @property
+    def welded(self) -> bool:
+        """Are a tip and the object one body: a weld holds from when the tips have closed to when they open."""
+        return self.grasp == "weld" and self.mass > 0.0
 
     def at(self, share: Array) -> Array:
         """(n, 6) where the object is to be in base_link; `share` (n,) of the plan's duration, 0 … 1."""

@@ -95,7 +95,7 @@ class Carried:
     def holding(self, poses: Array | None = None) -> Holding:
         """What a plan says in which the box is borne; `poses` (N + 1, 6) in base_link when it moves there."""
         still = self.pose[None] if poses is None else poses
-        return Holding(self.box.name, still, self.grasp.limbs, self.efforts, self.box.mass)
+        return Holding(self.box.name, still, self.grasp.limbs, self.efforts, self.box.mass, self.pick.grasp)
 
     def ready(self, pose: Array) -> dict[str, Array]:
         """limb → joints (n,) beside and above a box at `pose` (6,): from here it is reached, to here limbs go back."""

@@ -20,7 +20,7 @@ def joint_channels(run: Run) -> list[Channel]:
 
     trace, rows = run.trace, run.rows
     measured = (trace.joint_positions[rows], trace.joint_velocities[rows], trace.joint_torques[rows])
-    rate_hz = 1.0 / float(trace.times[1] - trace.times[0])
+    rate_hz = 1.0 / float(trace.times[1] - trace.times[0]) if len(trace.times) > 1 else run.rate_hz
     efforts = np.where(trace.plan.efforts, planned_efforts(run.robot, run.timeline, trace.plan, rate_hz), 0.0)
     planned = (trace.plan.joint_positions[rows], trace.plan.joint_velocities[rows], efforts[rows])
     return [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,11 +16,14 @@ from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.mujoco.meshes import hand_over_meshes
 from gaitforge.verify.mujoco.settings import Physics
 from gaitforge.verify.scene import boxes_of
+from gaitforge.verify.welds import Weld
 
 IMPEDANCE = (0.5, 0.95)
 """Of a contact at no penetration and at its full depth; MuJoCo's 0.9 to begin with makes feet that slide hop."""
 ALOFT_M = 100.0
 """[m] height at which the robot touches nothing but itself"""
+OBJECT = "object of the scene: "
+"""Before the names of objects, so that none is a link's"""
 MASS_TOLERANCE = 1e-9
 """Relative"""
 
@@ -39,8 +42,10 @@ class Parts:
     """Links whose shapes overlap in the nominal posture: their contacts are ignored"""
 
 
-def build_model(mj: Any, robot: RobotModel, scene: Scene, physics: Physics) -> tuple[Any, Parts]:
-    """The compiled model; row 0 to 6 of its qpos are the pose of base_link.
+def build_model(
+    mj: Any, robot: RobotModel, scene: Scene, physics: Physics, welds: Sequence[Weld] = ()
+) -> tuple[Any, Parts]:
+    """The compiled model; row 0 to 6 of its qpos are the pose of base_link.  Its equalities are the welds, off.
 
     The friction of a pair is the larger of two coefficients, so every shape has the stated one.
     SimulationError when MuJoCo refuses the URDF, or reads another mass than Pinocchio.
@@ -54,6 +59,13 @@ def build_model(mj: Any, robot: RobotModel, scene: Scene, physics: Physics) -> t
         _set_physics(mj, spec, physics)
         for body in (body for body, item in zip(objects, scene.objects, strict=True) if item.movable):
             _set_contacts(body.geoms, physics, physics.torsional_friction)
+        for body, item in zip(objects, scene.objects, strict=True):
+            body.name = OBJECT + item.name
+        for weld in welds:
+            spec.add_equality(
+                type=mj.mjtEq.mjEQ_WELD, objtype=mj.mjtObj.mjOBJ_BODY, name1=weld.link, name2=OBJECT + weld.object,
+                active=False, solref=[physics.contact_time, 1.0],
+            )  # fmt: skip
         overlapping = _overlaps(mj, spec.compile(), robot)
         for one, other in overlapping:
             spec.add_exclude(bodyname1=one, bodyname2=other)

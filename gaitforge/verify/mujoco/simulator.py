@@ -22,6 +22,7 @@ from gaitforge.verify.mujoco.world import World, build_world
 from gaitforge.verify.sight import SightLines
 from gaitforge.verify.simulator import Progress
 from gaitforge.verify.trace import Trace
+from gaitforge.verify.welds import Welder, welds_of
 
 Array = NDArray[np.float64]
 
@@ -99,12 +100,15 @@ class MujocoSimulator:
         """Execute the timeline; SimulationError when MuJoCo refuses the robot or its numbers run away."""
         plan = planned_rows(timeline, self.rate_hz)
         with quiet():
-            world = build_world(robot, scene, self.physics())
-            ahead = self.effort_feedforward * planned_efforts(robot, timeline, plan, self.rate_hz)
+            welds = welds_of(timeline)
+            world = build_world(robot, scene, self.physics(), welds)
+            ahead = np.zeros_like(plan.joint_positions)
+            if self.effort_feedforward:
+                ahead = self.effort_feedforward * planned_efforts(robot, timeline, plan, self.rate_hz)
             self._settle(world, robot, plan, ahead[0])
             recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
             feedback = AimFeedback(world, robot, timeline, plan, self.aim_feedback_hz)
-            self._walk(world, robot, plan, ahead, recorder, sight, feedback, progress)
+            self._walk(world, robot, plan, ahead, recorder, sight, feedback, Welder(world, welds), progress)
         recording = replace(recorder.recording(plan.times, sight.free), aim_feedback_hz=self.aim_feedback_hz)
         return assemble_trace(recording, plan, robot, timeline, scene)
 
@@ -139,6 +143,7 @@ class MujocoSimulator:
         recorder: Recorder,
         sight: SightLines,
         feedback: AimFeedback,
+        welder: Welder,
         progress: Progress | None,
     ) -> None:
         """The loop; row k is the state at times[k], the step after it is commanded by row k of the plan."""
@@ -148,6 +153,7 @@ class MujocoSimulator:
         for row in range(rows):
             mj.mj_step1(model, data)
             sight.look(row)
+            welder.at(plan.times[row])
             self._command(world, robot, feedback.positions(row), speeds[row], ahead[row], plan.efforts[row])
             mj.mj_step2(model, data)
             recorder.step(row)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,7 @@ from gaitforge.task.scene import Scene
 from gaitforge.verify.mujoco.build import Parts, build_model
 from gaitforge.verify.mujoco.settings import Physics
 from gaitforge.verify.sight import OTHER
+from gaitforge.verify.welds import Weld
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -43,6 +45,8 @@ class World:
     """name → first row of qpos (x, y, z, quaternion w, x, y, z) of objects that are not fixed in the world"""
     overlapping: tuple[tuple[str, str], ...] = ()
     """Links whose shapes overlap in the nominal posture: their contacts are ignored"""
+    welds: tuple[Weld, ...] = ()
+    """The model's equalities"""
 
     def place_robot(self, base_pose: ArrayLike, joints: ArrayLike) -> None:
         """Put base_link at a pose (6,) and the joints at positions (n_J,), at rest."""
@@ -58,6 +62,23 @@ class World:
         R = matrices_of_quaternions(qpos[:, [4, 5, 6, 3]])
         angular = np.einsum("nij,nj->ni", R, qvel[:, 3:6])
         return poses_of(qpos[:, :3], R), np.concatenate([qvel[:, :3], angular], axis=1)
+
+    def fasten(self, weld: Weld) -> int:
+        """See `gaitforge.verify.welds.World`.  The pose of the second body in the first one is what a weld keeps."""
+        index = self.welds.index(weld)
+        first, second = self.model.eq_obj1id[index], self.model.eq_obj2id[index]
+        R, origin = np.array(self.data.xmat[first]).reshape(3, 3), self.data.xpos[first]
+        back, turned = np.zeros(4), np.zeros(4)
+        self.mj.mju_negQuat(back, self.data.xquat[first])
+        self.mj.mju_mulQuat(turned, back, self.data.xquat[second])
+        place = R.T @ (self.data.xpos[second] - origin)
+        self.model.eq_data[index, :10] = np.concatenate([np.zeros(3), place, turned])
+        self.data.eq_active[index] = 1
+        return index
+
+    def release(self, fastened: int) -> None:
+        """See `gaitforge.verify.welds.World`."""
+        self.data.eq_active[fastened] = 0
 
     def link_pose(self, link: str) -> tuple[Array, Array]:
         """Rotation (3, 3) and origin (3,) of a link's frame as of the last kinematics."""
@@ -79,11 +100,11 @@ class World:
         return owner - len(self.links) if owner >= len(self.links) else OTHER
 
 
-def build_world(robot: RobotModel, scene: Scene, physics: Physics) -> World:
+def build_world(robot: RobotModel, scene: Scene, physics: Physics, welds: Sequence[Weld] = ()) -> World:
     """Ground, robot and scene; SimulationError when MuJoCo refuses the robot."""
     import mujoco
 
-    model, parts = build_model(mujoco, robot, scene, physics)
+    model, parts = build_model(mujoco, robot, scene, physics, welds)
     joints = [model.joint(name) for name in robot.joint_names]
     return World(
         mj=mujoco,
@@ -100,6 +121,7 @@ def build_world(robot: RobotModel, scene: Scene, physics: Physics) -> World:
             if item.movable
         },
         overlapping=parts.overlapping,
+        welds=tuple(welds),
     )
 
 

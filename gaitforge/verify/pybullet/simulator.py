@@ -22,6 +22,7 @@ from gaitforge.verify.pybullet.world import World, build_world
 from gaitforge.verify.sight import SightLines
 from gaitforge.verify.simulator import Progress
 from gaitforge.verify.trace import Trace
+from gaitforge.verify.welds import Welder, welds_of
 
 Array = NDArray[np.float64]
 CONE_ITERATIONS, CONE_RESIDUAL = 1000, 5e-4
@@ -124,7 +125,8 @@ class PyBulletSimulator:
             self._settle(world, robot, plan)
             recorder, sight = Recorder(world, len(plan.times)), SightLines(world, robot, timeline, scene, plan.times)
             feedback = AimFeedback(world, robot, timeline, plan, self.aim_feedback_hz)
-            images = self._walk(world, robot, plan, recorder, sight, feedback, progress)
+            welder = Welder(world, welds_of(timeline))
+            images = self._walk(world, robot, plan, recorder, sight, feedback, welder, progress)
             recording = replace(
                 recorder.recording(plan.times, sight.free, images),
                 camera_fov_deg=self.camera_fov_deg,
@@ -148,6 +150,7 @@ class PyBulletSimulator:
         recorder: Recorder,
         sight: SightLines,
         feedback: AimFeedback,
+        welder: Welder,
         progress: Progress | None,
     ) -> list[tuple[float, bytes]]:
         """The loop; row k is the state at times[k], the step after it is commanded by row k of the plan."""
@@ -158,6 +161,7 @@ class PyBulletSimulator:
         recorder.state(0)
         for row in range(rows):
             sight.look(row)
+            welder.at(plan.times[row])
             if plan.times[row] >= due - 1e-9 and camera is not None:
                 images.append(
                     (float(plan.times[row]), camera_picture(world, camera, self.camera_size, self.camera_fov_deg))

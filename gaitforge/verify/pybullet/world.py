@@ -19,6 +19,7 @@ from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.pybullet.client import quiet
 from gaitforge.verify.scene import boxes_of
 from gaitforge.verify.sight import OTHER
+from gaitforge.verify.welds import Weld
 
 Array = NDArray[np.float64]
 MAX_JOINTS = 127
@@ -81,6 +82,26 @@ class World:
         if body < 0:
             return None
         return self.objects.index(body) if body in self.objects else OTHER
+
+    def fasten(self, weld: Weld) -> int:
+        """See `gaitforge.verify.welds.World`.  A constraint speaks of centre-of-mass frames, those of an object too."""
+        body, link = self.movable[weld.object], self.links.index(weld.link) - 1
+        if link < 0:
+            here = self.p.getBasePositionAndOrientation(self.robot, physicsClientId=self.client)
+        else:
+            here = self.p.getLinkState(self.robot, link, computeForwardKinematics=1, physicsClientId=self.client)[:2]
+        there = self.p.getBasePositionAndOrientation(body, physicsClientId=self.client)
+        position, turned = self.p.multiplyTransforms(*self.p.invertTransform(*here), *there)
+        return int(
+            self.p.createConstraint(
+                self.robot, link, body, -1, self.p.JOINT_FIXED, [0.0] * 3, position, [0.0] * 3, turned,
+                physicsClientId=self.client,
+            )
+        )  # fmt: skip
+
+    def release(self, fastened: int) -> None:
+        """See `gaitforge.verify.welds.World`."""
+        self.p.removeConstraint(fastened, physicsClientId=self.client)
 
     def link_pose(self, link: str) -> tuple[Array, Array]:
         """Rotation (3, 3) and origin (3,) of a link's frame now."""
