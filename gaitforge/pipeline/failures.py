@@ -94,7 +94,8 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
                 watch.progress("motion", f"{name}: {', '.join(held)} still bear load ({error})")
         robot, failed, stand, hung = hang_up(robot, stand, roles, failed, now.options, watch, done)
     damaged = stuck(robot, failed)
-    options = spaced(kept_clear(damaged, failed, now.options), failed)
+    options = kept_clear(damaged, failed, now.options)
+    options = spaced(damaged, options, failed) if hung else options
     return Damage(damaged, options, failed, stand, clear, held, gait.pattern, hung)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
@@ -16,8 +17,11 @@ from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Failed, Role
 
+Array = NDArray[np.float64]
 CLEARANCE_M = 0.01
 """[m] kept between bodies once limbs hang limp: they swing, and friction holds them a little beside their place"""
+LIFT_M = 0.04
+"""[m] that limbs too long to hang clear are off the ground by their foreseen posture: friction may bend them less"""
 Hung = tuple[RobotModel, dict[str, Failed], MotionPlan, bool]
 """The robot with its higher stance, failed limbs as they hang, the stand after which it walks on; whether they hang"""
 
@@ -31,7 +35,7 @@ def hang_up(
     Limbs that are locked are not folded, and keep the body from coming down: with one of them among those that
     failed, nothing is done.
     """
-    from gaitforge.motion.failure.fold import plan_fold
+    from gaitforge.motion.failure.fold import LATER_M, LOW_M, fold_groups, plan_fold
     from gaitforge.motion.failure.raised import raised
 
     limp = tuple(name for name, role in failed.items() if role.mode == "limp")
@@ -39,30 +43,54 @@ def hang_up(
     if not limp or len(limp) < len(failed):
         return as_it_lies
     name, friction = stand.name.removesuffix("_halt"), options.search.limp_friction
+    plans: list[MotionPlan] = []
+    postures: dict[str, Array] = {}
     try:
-        folded = plan_fold(robot, stand, roles, limp, friction, name=f"{name}_fold", options=options.motion)
+        for number, group in enumerate(fold_groups(robot, stand, limp, friction)):
+            called = f"{name}_fold{number + 1 if number else ''}"
+            last = plans[-1] if plans else stand
+            low = LATER_M if plans else LOW_M
+            folded = plan_fold(robot, last, roles, group, friction, name=called, trunk_m=low, options=options.motion)
+            plans += folded.plans
+            postures |= folded.postures
     except UnsolvedError as error:
         watch.progress("motion", f"{name}: {', '.join(limp)} not folded ({error})")
         return as_it_lies
-    higher = raised(robot, folded.postures)
+    higher = raised(robot, postures)
     if higher is None:
         watch.progress("motion", f"{name}: {', '.join(limp)} would not hang clear of the ground")
         return as_it_lies
-    told = ", ".join(f"{n} at {np.round(q, 2).tolist()} rad" for n, q in folded.postures.items())
+    told = ", ".join(f"{n} at {np.round(q, 2).tolist()} rad" for n, q in postures.items())
     watch.progress("motion", f"{name}: folded {told}; the body stands {1e3 * higher.nominal.body_height:.0f} mm high")
-    done.extend(Segment(plan) for plan in folded.plans)
-    hangs = {n: replace(failed[n], posture=tuple(q.tolist())) for n, q in folded.postures.items()}
-    return higher, {**failed, **hangs}, folded.plans[-1], True
+    done.extend(Segment(plan) for plan in plans)
+    hangs = {n: replace(failed[n], posture=tuple(q.tolist())) for n, q in postures.items()}
+    return higher, {**failed, **hangs}, plans[-1], True
 
 
-def spaced(options: Options, roles: Mapping[str, Failed]) -> Options:
-    """The options with more room between bodies where limbs hang limp."""
+def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> Options:
+    """The options with more room between bodies where limbs hang limp, and those lifted that touch the ground."""
+    from gaitforge.motion.constraints.off_ground import OffGround
+    from gaitforge.motion.failure.hanging import spheres
+    from gaitforge.motion.failure.raised import touches
     from gaitforge.motion.options import MotionOptions
 
-    if not any(role.mode == "limp" for role in roles.values()):
-        return options
+    hangs = {n: np.array(role.posture) for n, role in roles.items() if role.mode == "limp"}
     motion = options.motion or MotionOptions()
-    return replace(options, motion=replace(motion, clearance=max(motion.clearance, CLEARANCE_M)))
+    motion = replace(motion, clearance=max(motion.clearance, CLEARANCE_M))
+    long = {n: q for n, q in hangs.items() if touches(robot, {n: q})}
+    if long:
+        points = tuple(point for n, q in long.items() for point in spheres(robot, robot.limb(n), q))
+        motion = replace(motion, constraints=(*motion.constraints, OffGround(points, LIFT_M)))
+    return replace(options, motion=motion)
+
+
+def _unlifted(options: Options) -> Options:
+    """The options of segments in which the body is down."""
+    from gaitforge.motion.constraints.off_ground import OffGround
+
+    assert options.motion is not None
+    families = tuple(f for f in options.motion.constraints if not (isinstance(f, OffGround) and f.height == LIFT_M))
+    return replace(options, motion=replace(options.motion, constraints=families))
 
 
 def rise(
@@ -79,13 +107,14 @@ def rise(
     hangs = {n: np.array(role.posture) for n, role in now.roles.items() if role.mode == "limp"}
     if not now.hung or not touches(now.robot, hangs):
         return now, start, []
-    height = float(stand.base_poses[-1, 2])
+    height, low = float(stand.base_poses[-1, 2]), _unlifted(now.options)
     try:
         with watch.stage("motion"):
-            plans = plan_rise(now.robot, start, height, name=f"{start.name}_rise", options=now.options.motion)
+            plans = plan_rise(now.robot, start, height, name=f"{start.name}_rise", options=low.motion)
     except UnsolvedError as error:
         watch.progress("motion", f"{start.name}: no rise after the steps ({error})")
         return now, start, []
     posture = plans[0].joint_positions[:, 0].copy()
     nominal = replace(now.robot.nominal, posture=posture, body_height=height)
-    return replace(now, robot=replace(now.robot, nominal=nominal)), plans[0], [Segment(plan) for plan in plans]
+    lower = replace(now, robot=replace(now.robot, nominal=nominal), options=low)
+    return lower, plans[0], [Segment(plan) for plan in plans]

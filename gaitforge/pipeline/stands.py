@@ -40,7 +40,7 @@ def plan_end(robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopw
 
     Where there is none in the usual time, the gait goes on to a column from which there is: feet stay where they are
     while the body comes to rest, and what is in the way of a limb then is not in its way elsewhere in the cycle.
-    Of several columns it is the first one whose stop relaxes least.
+    Of several columns it is the one whose stop relaxes least, and of those the one that asks least of the motors.
     """
     from gaitforge.motion.failure.cut import begun
     from gaitforge.motion.rotate import rotated
@@ -63,7 +63,7 @@ def plan_end(robot: RobotModel, gait: MotionPlan, options: Options, watch: Stopw
             break
     if not found:
         return [Segment(plan_stand("stop", robot, gait, options, watch, name))]
-    column, plan = min(found, key=lambda one: len(one[1].relaxed))
+    column, plan = min(found, key=lambda one: (len(one[1].relaxed), float(one[1].report.details["effort_ratio"])))
     watch.progress("motion", f"{name}: the gait goes on to column {column} of {gait.pattern.columns}")
     return [Segment(begun(gait, column, f"{gait.name}_until_{name}")), Segment(plan, left=tuple(left))]
 

@@ -9,6 +9,7 @@ from itertools import islice
 
 from gaitforge.errors import InfeasibleFootfall, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
@@ -60,7 +61,7 @@ def plan_change(
             with watch.stage("motion"):
                 taken = next(spared(t, r) for t, r in zip(batch, results, strict=True) if r.plan is plan)
             assert taken.plan is not None
-            found.append(_Found.of(robot, taken.what, taken.plan, taken.seconds))
+            found.append(_Found.of(robot, taken.what, taken.plan, taken.seconds, options.motion or MotionOptions()))
         if plan is not None and found[-1].sound:
             break
         looks += bool(found)
@@ -86,16 +87,18 @@ class _Found:
     strain: float
     """[-] above 1 no contact forces let the motors hold it (`strain_of`)"""
     push: float
-    """[m] that the ground pushes feet up between samples, if that is more than was aimed for"""
+    """[m] that the ground pushes feet up between samples, if that is more than was aimed for and a grid that is finer
+    may be had: on the finest one others do no better"""
 
     @staticmethod
-    def of(robot: RobotModel, what: str, plan: MotionPlan, seconds: float) -> _Found:
+    def of(robot: RobotModel, what: str, plan: MotionPlan, seconds: float, options: MotionOptions) -> _Found:
         from gaitforge.motion.failure.still import static_margin
         from gaitforge.motion.strain import strain_of
 
         margin = min(float(plan.report.details.get("zmp_margin_m", 0.0)), static_margin(robot, plan))
         deep, most = (float(plan.report.details.get(f"{key}_m", 0.0)) for key in ("penetration", "ground_tolerance"))
-        return _Found(what, plan, seconds, margin, strain_of(robot, plan), deep if deep > most else 0.0)
+        push = deep if deep > most and plan.samples_per_column < options.finest else 0.0
+        return _Found(what, plan, seconds, margin, strain_of(robot, plan), push)
 
     @property
     def sound(self) -> bool:

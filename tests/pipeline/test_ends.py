@@ -11,10 +11,12 @@ import gaitforge as gf
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion import stand
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.rotate import rotated
 from gaitforge.motion.timeline_build import build_timeline
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.stands import plan_end
 from gaitforge.pipeline.stopwatch import Stopwatch
+from gaitforge.pipeline.tries import unexplained
 from gaitforge.robot.model import RobotModel
 
 OPTIONS = Options(simulator=None, recorder=None)  # type: ignore[arg-type]  # planning simulates and records nothing
@@ -52,19 +54,26 @@ def start_of(gait: MotionPlan, column: int) -> bytes:
     return gait.joint_positions[:, column * gait.samples_per_column].tobytes()
 
 
+def stop_at(robot: RobotModel, gait: MotionPlan, column: int) -> MotionPlan:
+    return stand.plan_stop(robot, rotated(gait, column), options=unexplained(None))
+
+
 def test_a_walk_ends_with_its_cycle(robot: RobotModel, gait: MotionPlan) -> None:
     assert [s.plan.name for s in plan_end(robot, gait, OPTIONS, Stopwatch(), "stop")] == ["stop"]
 
 
-def test_a_walk_that_cannot_stop_there_goes_on_to_the_first_column_where_it_stops_best(
+def test_a_walk_that_cannot_stop_there_goes_on_to_the_column_where_it_stops_best(
     monkeypatch: pytest.MonkeyPatch, robot: RobotModel, gait: MotionPlan
 ) -> None:
     known = {start_of(gait, 0): None, start_of(gait, 1): ("slower",), start_of(gait, 2): None}
+    ratios = {k: stop_at(robot, gait, k).report.details["effort_ratio"] for k in (3, 4, 5)}
+    best = min(ratios, key=ratios.__getitem__)
     asked = blocked(monkeypatch, known)
     rest, stop = (s.plan for s in plan_end(robot, gait, OPTIONS, Stopwatch(), "stop"))
     assert len(set(asked)) == 1
-    assert (rest.name, rest.pattern.columns) == ("walk_until_stop", 3)
-    np.testing.assert_array_equal(rest.pattern.contact, gait.pattern.contact[:, :3])
+    assert (rest.name, rest.pattern.columns) == ("walk_until_stop", best)
+    np.testing.assert_array_equal(rest.pattern.contact, gait.pattern.contact[:, :best])
+    assert len(set(ratios.values())) == 3
     timeline = build_timeline(robot, [(gait, 2), (rest, 1), (stop, 1)])
     for seam in (timeline.entries[1].start, timeline.entries[2].start):
         before, after = (timeline.sample([seam + s * 1e-5]) for s in (-1, 1))

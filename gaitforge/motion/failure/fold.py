@@ -38,12 +38,11 @@ SHIFTS = (0.0, 0.03, 0.06, 0.09)
 """[m] that the body comes over the limp feet while it is down: the further, the more they bend"""
 KEPT = 0.55
 """Share of the shift that is kept when it rises: going all the way back would straighten limbs whose feet stick"""
-LOW_M = 0.03
-"""[m] of the trunk above the ground while it is down"""
+LOW_M, LATER_M = 0.03, 0.06
+"""[m] of the trunk above the ground while it is down, for the first limbs and for others after them: those that are
+folded already would be pressed against the stops of their joints"""
 FALLS = 1.25
 """Times its friction that gravity turns a joint of a folded limb: one that is held up there falls down later on"""
-NOWHERE_M = -1.0
-"""[m] between bodies: none are kept apart while the body goes straight up"""
 COLUMNS, SECONDS = 8, 2.0
 """Of the way down, and of the way up"""
 DIP_M, DIP_S = 0.04, 2.0
@@ -61,16 +60,17 @@ class Folded:
 
 def plan_fold(
     robot: RobotModel, stand: MotionPlan, roles: Mapping[str, Role], limbs: tuple[str, ...], friction: float, *,
-    name: str = "fold", options: MotionOptions | None = None,
+    name: str = "fold", trunk_m: float = LOW_M, options: MotionOptions | None = None,
 ) -> Folded:  # fmt: skip
     """Fold the limp `limbs`, of which `stand` ends in the postures that they lie in; `friction` [N m] of their joints.
 
-    All feet that stand stay where they are.  Raises `UnsolvedError` when the robot has no way down and up again.
+    The trunk comes down to `trunk_m` above the ground; all feet that stand stay where they are.  Raises
+    `UnsolvedError` when the robot has no way down and up again.
     """
     options = options or MotionOptions()
     now = end_state(robot, stand, stopped=True)
     failure = UnsolvedError(f"{name}: limbs that would stay up where they are folded", {"segment": name})
-    for way in _ways(robot, now, limbs, friction):
+    for way in _ways(robot, now, limbs, friction, trunk_m):
         try:
             down = _moved(robot, stand, roles, way.low, f"{name}_down", options, way.pressed)
             up = _moved(robot, down, roles, way.high, f"{name}_up", options, way.hangs)
@@ -93,12 +93,14 @@ class _Way:
     hangs: Mapping[str, Array]
 
 
-def _ways(robot: RobotModel, now: Boundary, limbs: tuple[str, ...], friction: float) -> list[_Way]:
+def _ways(
+    robot: RobotModel, now: Boundary, limbs: tuple[str, ...], friction: float, trunk_m: float = LOW_M
+) -> list[_Way]:
     """The least shift with which limbs hang clear of a body as high as it gets comes first, else the largest."""
     aside = _outward(robot, now, limbs)
     found: list[_Way] = []
     for shift in SHIFTS if np.linalg.norm(aside) > 0.5 else (0.0,):
-        low = np.array([*(now.base[:2] + shift * aside), LOW_M - trunk_corners(robot)[:, 2].min(), 0.0, 0.0, 0.0])
+        low = np.array([*(now.base[:2] + shift * aside), trunk_m - trunk_corners(robot)[:, 2].min(), 0.0, 0.0, 0.0])
         high = np.array([*((KEPT - 1.0) * shift * aside), now.base[2], 0.0, 0.0, 0.0])
         pressed = {n: _reach(robot, n, now, low) for n in limbs}
         if any(_stays_up(robot, n, joints, friction) for n, joints in pressed.items()):
@@ -110,6 +112,26 @@ def _ways(robot: RobotModel, now: Boundary, limbs: tuple[str, ...], friction: fl
     return clear + [way for way in reversed(found) if way not in clear]
 
 
+def fold_groups(
+    robot: RobotModel, stand: MotionPlan, limbs: tuple[str, ...], friction: float
+) -> tuple[tuple[str, ...], ...]:
+    """Limp limbs that are folded together, in this order: those that the body has to come over first, side by side.
+
+    A shift towards one side straightens the limbs of the other.  Limbs that fold well without it come last, together;
+    those that are bent already stay bent while the body goes straight down and up.
+    """
+    now = end_state(robot, stand, stopped=True)
+    shifted: dict[str, list[str]] = {}
+    others = []
+    for name in limbs:
+        ways = _ways(robot, now, (name,), friction)
+        if ways and np.linalg.norm(ways[0].low[:2] - now.base[:2]) > 1e-9:
+            shifted.setdefault(robot.limb(name).side, []).append(name)
+        else:
+            others.append(name)
+    return tuple(tuple(group) for group in (*shifted.values(), others) if group)
+
+
 def plan_rise(
     robot: RobotModel, start: MotionPlan, height: float, *, name: str = "rise", options: MotionOptions | None = None
 ) -> tuple[MotionPlan, ...]:
@@ -118,14 +140,19 @@ def plan_rise(
     Limp limbs are lifted off the ground by a body that goes straight up: one that sways on its way is carried by them
     for a moment.  Those that still touch the ground up there fold the rest when the body dips.
     """
-    # where limp limbs hang once the body is up there is ground below a body that is down: they are elsewhere then
-    options = replace(options or MotionOptions(), clearance=NOWHERE_M)
-    top = backwards(start, name)
+    options, top = options or MotionOptions(), backwards(start, name)
+    bare = _unobstructed(robot, start.limp)
     base = end_state(robot, top, stopped=True).base
-    down = _moved(robot, top, start.roles, np.array([0.0, 0.0, height, 0.0, 0.0, 0.0]), name, options, {})
+    down = _moved(bare, top, start.roles, np.array([0.0, 0.0, height, 0.0, 0.0, 0.0]), name, options, {})
     low = base - [0.0, 0.0, DIP_M, 0.0, 0.0, 0.0]
-    dip = _moved(robot, top, start.roles, low, f"{name}_dip_down", options, {}, DIP_S)
+    dip = _moved(bare, top, start.roles, low, f"{name}_dip_down", options, {}, DIP_S)
     return backwards(down, name), dip, backwards(dip, f"{name}_dip_up")
+
+
+def _unobstructed(robot: RobotModel, limbs: tuple[str, ...]) -> RobotModel:
+    """The robot without the bodies of limp limbs: where they hang once it stands high is ground while it is low."""
+    limp = {link for name in limbs for link in robot.limb(name).links}
+    return replace(robot, capsules=tuple(c for c in robot.capsules if c.link not in limp))
 
 
 def backwards(plan: MotionPlan, name: str) -> MotionPlan:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.motion.bodies import limb_capsules
+from gaitforge.motion.constraints.off_ground import Point
 from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel
@@ -59,12 +60,17 @@ def gravity_torques(robot: RobotModel, limb: Limb, joints: Array) -> Array:
     return np.asarray(GRAVITY * (moved[: len(joints)] - moved[len(joints) :]) / 2e-6)
 
 
-def lowest_point(robot: RobotModel, limb: Limb, joints: Array) -> float:
-    """[m] height, in the frame of the level body, of the lowest point of what the limb's joints but the first move."""
+def spheres(robot: RobotModel, limb: Limb, joints: Array) -> tuple[Point, ...]:
+    """Foot and ends of capsules of what the limb's joints but the first move, in the frame of the body."""
     pose = evaluate_limb(joints[None], limb_parameters(robot, limb))
-    lowest = float(pose.foot[0, 2]) - limb.foot.radius
+    found = [(pose.foot[0], limb.foot.radius)]
     for capsule in limb_capsules(robot):
         if capsule.limb == robot.limbs.index(limb) and capsule.joint >= 1:
             ends = pose.origins[0, capsule.joint] + np.array([capsule.a, capsule.b]) @ pose.turns[0, capsule.joint].T
-            lowest = min(lowest, float(ends[:, 2].min()) - capsule.radius)
-    return lowest
+            found += [(end, capsule.radius) for end in ends]
+    return tuple((limb.name, (float(x), float(y), float(z)), radius) for (x, y, z), radius in found)
+
+
+def lowest_point(robot: RobotModel, limb: Limb, joints: Array) -> float:
+    """[m] height, in the frame of the level body, of the lowest point of what the limb's joints but the first move."""
+    return min(point[2] - radius for _, point, radius in spheres(robot, limb, joints))
