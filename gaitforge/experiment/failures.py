@@ -20,7 +20,8 @@ from gaitforge.task.roles import MODES, Mode
 
 COLUMNS = (
     Column("robot", "robot"), Column("limbs", "lost"), Column("mode", "mode"), Column("at", "at", 1.0, 2),
-    Column("simulator", "simulator"), Column("status", "status"), Column("proof", "proof"),
+    Column("simulator", "simulator"), Column("status", "status"), Column("plans", "plans"),
+    Column("proof", "proof"),
     Column("speed_m_s", "speed [cm/s]", 100.0), Column("speed_planned_m_s", "planned [cm/s]", 100.0),
     Column("margin_m", "margin [mm]", 1e3, 1), Column("tilt_worst_deg", "tilt [°]"),
     Column("unsupported_s", "no margin for [s]", 1.0, 2), Column("failed", "failed checks"),

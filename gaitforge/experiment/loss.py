@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from gaitforge.errors import InfeasibleError
@@ -16,7 +17,9 @@ from gaitforge.task.roles import Mode
 from gaitforge.task.scene import Scene
 
 if TYPE_CHECKING:
+    from gaitforge.pipeline.options import Options
     from gaitforge.pipeline.segment import Segment
+    from gaitforge.robot.model import RobotModel
     from gaitforge.verify.verdict import Verdict
 
 BEFORE, AFTER = "all", "without"
@@ -52,9 +55,8 @@ class LossJob:
 
     def measure(self, tools: Tools) -> Sequence[Row]:
         """One row a simulator, or a single one with the proof that nothing can walk."""
-        from gaitforge.motion.timeline_build import build_timeline
+        from gaitforge.pipeline.proving import proven
         from gaitforge.pipeline.schedule import plan_task
-        from gaitforge.verify.verify import verify_timeline
 
         begin, done = time.perf_counter(), list["Segment"]()
         robot, options = robot_called(self.robot), replace(tools.options, seed=self.seed)
@@ -64,15 +66,28 @@ class LossJob:
             proof = "{" + ", ".join(error.explain.get("families", ())) + "}"
             return [{**self.case, "status": error.status, "proof": proof, "verified": False, "settled": True}]
         planning = time.perf_counter() - begin
-        timeline = build_timeline(robot, [(s.plan, s.cycles) for s in done], Scene())
         rows = []
         for name, simulator in tools.simulators.items():
-            verdict = verify_timeline(robot, timeline, Scene(), simulator=simulator, limits=options.limits)
-            rows.append({**self.case, "simulator": name, **loss_row(verdict, done), "plan_s": planning})
+            execute = partial(_executed, robot, replace(options, simulator=simulator))
+            found = proven(robot, self.task, options, Stopwatch(), done, execute)
+            first = {"plans": len(found.verdicts), "first_failed": _failed(found.verdicts[0]), "plan_s": planning}
+            rows.append({**self.case, "simulator": name, **loss_row(found.verdict, found.segments), **first})
             if tools.logs is not None:
                 tools.logs.mkdir(parents=True, exist_ok=True)
-                options.recorder.write(tools.logs / f"{self.key}.{name}.mcap", robot, verdict)
+                options.recorder.write(tools.logs / f"{self.key}.{name}.mcap", robot, found.verdict)
         return rows
+
+
+def _executed(robot: RobotModel, options: Options, segments: Sequence[Segment]) -> Verdict:
+    from gaitforge.motion.timeline_build import build_timeline
+    from gaitforge.verify.verify import verify_timeline
+
+    timeline = build_timeline(robot, [(s.plan, s.cycles) for s in segments], Scene())
+    return verify_timeline(robot, timeline, Scene(), simulator=options.simulator, limits=options.limits)
+
+
+def _failed(verdict: Verdict) -> list[str]:
+    return [f"{c.segment}: {c.name} {c.value:.3g} {c.unit}" for c in verdict.failed]
 
 
 def loss_row(verdict: Verdict, done: Sequence[Segment]) -> dict[str, Any]:
@@ -94,7 +109,7 @@ def loss_row(verdict: Verdict, done: Sequence[Segment]) -> dict[str, Any]:
         "margin_m": here["static_margin"] / 1000.0,
         "unsupported_s": max(unsupported, default=0.0),
         "tilt_worst_deg": max(c.value for c in fallen),
-        "failed": [f"{c.segment}: {c.name} {c.value:.3g} {c.unit}" for c in verdict.failed],
+        "failed": _failed(verdict),
         "source": gait.plan.pattern.source,
         "columns": gait.plan.pattern.columns,
         "relaxed": [text for s in done for text in (*s.plan.pattern.relaxed, *s.plan.relaxed)],

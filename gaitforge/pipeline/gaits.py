@@ -10,6 +10,7 @@ from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.pipeline.certificate import refuse_impossible_speed
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.refusals import allowed
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.sparing import spared
 from gaitforge.pipeline.stopwatch import Stopwatch
@@ -65,7 +66,11 @@ def plan_phase(
         patterns = [p for p in batch if not (strained and p.source == "wave")]  # dear to plan, and slower
         if not patterns:
             continue
-        tries = [_try(robot, phase, pattern, roles, options, expected_base) for pattern in patterns]
+        asked = [_try(robot, phase, pattern, roles, options, expected_base) for pattern in patterns]
+        tries, barred = allowed(asked, options.refused)
+        attempts += barred
+        if not tries:
+            continue
         first = first or tries[0]
         with watch.stage("motion"):
             results = workers.run(tries)

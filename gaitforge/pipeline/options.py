@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from gaitforge.motion.options import MotionOptions
+    from gaitforge.pipeline.refusals import Refusal
     from gaitforge.record.recorder import McapRecorder
     from gaitforge.verify.both import Both
     from gaitforge.verify.checks import CheckLimits
@@ -37,6 +38,8 @@ class Search:
     """Tries at a transition that are made before the cheapest of them is taken."""
     limp_friction: float = 0.2
     """[N m] dry friction in the joints of limp limbs that plans count on"""
+    replans: int = 2
+    """Times that a task is planned again without the gaits and transitions that fail in simulation."""
     workers: int = 1
     """Processes that plan at the same time, this one included; results do not depend on it."""
 
@@ -45,6 +48,8 @@ class Search:
             raise ValueError("at least one candidate")
         if min(self.gait_batch, self.transition_batch, self.workers) < 1:
             raise ValueError("batches of at least one try, and at least one worker")
+        if self.replans < 0:
+            raise ValueError("replans of at least 0")
         if self.limp_friction < 0.0:
             raise ValueError("a limp_friction of at least 0")
         if self.transition_slack < 0 or self.transition_phases not in ("seam", "paper", "best"):
@@ -66,4 +71,6 @@ class Options:
     footfall: Mapping[str, Any] = field(default_factory=dict)
     """Keyword arguments of the pattern synthesis (constraint families, solver, seed, time limit)."""
     search: Search = field(default_factory=Search)
+    refused: tuple[Refusal, ...] = ()
+    """Gaits and transitions that have failed in simulation"""
     seed: int = 0

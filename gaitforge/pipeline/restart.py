@@ -15,6 +15,7 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.damage import Damage
 from gaitforge.pipeline.hung import rise
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.refusals import allowed
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.stands import plan_stand
 from gaitforge.pipeline.stopwatch import Stopwatch
@@ -76,6 +77,9 @@ def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
     left: list[Attempt] = []
     narrow: list[tuple[float, MotionPlan]] = []
     for one in _tries(now, stand, start, name):
+        if barred := allowed([one], now.options.refused)[1]:
+            left += barred
+            continue
         with watch.stage("motion"):
             result = attempt(one)
         if result.plan is None:

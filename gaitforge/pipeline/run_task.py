@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from gaitforge.errors import GaitforgeError, InputError
@@ -40,10 +41,23 @@ def run_task(run: Run, watch: Stopwatch) -> RunOutcome:
 
 
 def _plan_and_verify(run: Run, watch: Stopwatch, segments: list[Segment]) -> Verdict:
+    from gaitforge.pipeline.proving import proven
+
+    plan_task(run.robot, run.task, run.options, watch, segments)
+    found = proven(run.robot, run.task, run.options, watch, segments, partial(_execute, run, watch))
+    segments[:] = found.segments
+    with watch.stage("record"):
+        if found.verdict is not found.verdicts[-1]:
+            write_plan_files(run.folder, run.robot, found.verdict.timeline)
+        write_log_files(run, found.verdict)
+    watch.progress("record", "log, layout and plots")
+    return found.verdict
+
+
+def _execute(run: Run, watch: Stopwatch, segments: Sequence[Segment]) -> Verdict:
     from gaitforge.motion.timeline_build import build_timeline
     from gaitforge.verify.verify import verify_timeline
 
-    plan_task(run.robot, run.task, run.options, watch, segments)
     with watch.stage("motion"):
         timeline = build_timeline(run.robot, [(s.plan, s.cycles) for s in segments], run.task.scene)
     with watch.stage("record"):
@@ -59,9 +73,6 @@ def _plan_and_verify(run: Run, watch: Stopwatch, segments: list[Segment]) -> Ver
             progress=_in_quarters(watch),
         )
     watch.progress("verify", f"{len(verdict.checks)} checks, {len(verdict.failed)} failed")
-    with watch.stage("record"):
-        write_log_files(run, verdict)
-    watch.progress("record", "log, layout and plots")
     return verdict
 
 

@@ -12,6 +12,7 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.refusals import allowed
 from gaitforge.pipeline.segment import Attempt, Segment, exhausted
 from gaitforge.pipeline.sparing import spared
 from gaitforge.pipeline.stopwatch import Stopwatch
@@ -50,6 +51,10 @@ def plan_change(
     first: Try | None = None
     looks = 0
     while looks <= SECOND_LOOKS and (batch := list(islice(tries, options.search.transition_batch))):
+        batch, barred = allowed(batch, options.refused)
+        attempts += barred
+        if not batch:
+            continue
         first = first or batch[0]
         with watch.stage("motion"):
             results = workers.run(batch)
