@@ -25,7 +25,7 @@ class Refusal:
     why: str
 
 
-def refused(robot_does: Verdict, segments: Sequence[Segment]) -> tuple[Refusal, ...]:
+def refused(verdict: Verdict, segments: Sequence[Segment]) -> tuple[Refusal, ...]:
     """What is to blame for the checks that failed: a gait or transition for its own, and for those of the stand at
     its side; after a fall nothing more is.  Empty when all is well, or when only stands are to blame.
 
@@ -33,7 +33,7 @@ def refused(robot_does: Verdict, segments: Sequence[Segment]) -> tuple[Refusal, 
     """
     names = [s.plan.name for s in segments]
     blame: dict[int, list[Check]] = {}
-    for check in sorted(robot_does.failed, key=lambda c: names.index(c.segment)):
+    for check in sorted(verdict.failed, key=lambda c: names.index(c.segment)):
         if (index := _to_blame(segments, names.index(check.segment))) is not None:
             blame.setdefault(index, []).append(check)
         if check.name == "fallen":

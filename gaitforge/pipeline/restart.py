@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
+from gaitforge.footfall.settling import MOST
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.damage import Damage
 from gaitforge.pipeline.hung import rise
@@ -37,21 +38,51 @@ def plan_restart(now: Damage, gait: MotionPlan, watch: Stopwatch, workers: Worke
     Feet are put down elsewhere once the failed ones are off the ground, or while these bear load, where only that
     has a plan.  Raises `UnsolvedError` when neither has.
     """
-    if now.stand is None:
-        return []
-    if now.clear is not None:
+    failure: UnsolvedError | None = None
+    for one, stand in _ways(now, gait):
+        if failure is not None:
+            what = f"{', '.join(one.held)} bear load" if one.held else "no failed foot bears load"
+            watch.progress("motion", f"{what} while the others step ({failure})")
         try:
-            return [Segment(now.clear), *_steps(replace(now, held=()), now.clear, gait, watch, workers)]
+            steps = _steps(one, stand, gait, watch, workers)
+            return [Segment(stand), *steps] if stand is now.clear else steps
         except UnsolvedError as error:
-            if not now.held:
-                raise
-            watch.progress("motion", f"{', '.join(now.held)} bear load while the others step ({error})")
-    return _steps(now, now.stand, gait, watch, workers)
+            failure = error
+    if failure is not None:
+        raise failure
+    return []
+
+
+def _ways(now: Damage, gait: MotionPlan) -> Iterator[tuple[Damage, MotionPlan]]:
+    """The robot, and the stand from which its limbs step; the best way first.
+
+    Where failed feet may bear load, many limbs that step without them are given up early, and all of their tries are
+    made only when there is nothing else left: from a stand that is too low for a limb none of them has a plan.
+    """
+    if now.stand is None:
+        return
+    free = replace(now, held=())
+    many = len(gait.pattern.locomotive) > MOST
+    if now.clear is not None:
+        yield (_hasty(free) if now.held and many else free), now.clear
+    if now.clear is None or now.held:
+        yield now, now.stand
+    if now.clear is not None and now.held and many:
+        yield free, now.clear
+
+
+def _hasty(now: Damage) -> Damage:
+    """The same with few tries at a transition, none of them by a slow second solver."""
+    from gaitforge.motion.options import MotionOptions
+
+    search = now.options.search
+    few = replace(search, transition_candidates=1, transition_stretch=search.transition_stretch[:1])
+    motion = quick(now.options.motion or MotionOptions())
+    return replace(now, options=replace(now.options, search=few, motion=motion))
 
 
 def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
     """From a stand into a gait: few limbs step one by one, in the order with the best margin, many as always."""
-    from gaitforge.footfall.settling import MOST
     from gaitforge.motion.failure.still import calm
     from gaitforge.motion.options import MotionOptions
 

@@ -15,6 +15,7 @@ from gaitforge.motion.constraints.off_ground import OffGround
 from gaitforge.motion.costs import Smoothness
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
+from gaitforge.motion.solvers.structured import Structured
 from gaitforge.pipeline.damage import SPEEDS, Damage, kept_clear, stuck
 from gaitforge.pipeline.failures import at_speed, moment, refuse_hopeless, stretches
 from gaitforge.pipeline.options import Options
@@ -197,6 +198,34 @@ def test_many_limbs_step_as_in_a_transition_whose_accelerations_are_dear(
     assert held.motion is not None
     locked = [[f.limbs for f in o.constraints if isinstance(f, Locked)] for o in (options.motion, held.motion)]
     assert locked == [[], [("R3",)]], "a limb that bears load while it is locked is not to be moved"
+
+
+def test_many_limbs_give_up_early_where_failed_feet_may_bear_load_and_try_all_they_can_last(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """`plan_change` finds nothing, and notes what it was asked."""
+    robot = load_robot("dodecapod")
+    pattern = FootfallPattern.from_rows({n: "1" * 11 + "0" for n in robot.limb_names})
+    gait, halt, clear = (plan_of(robot, pattern, name, 2.0) for name in ("without", "all_halt", "all_clear"))
+    asked: list[tuple[str, int, bool, bool]] = []
+
+    def change(robot: RobotModel, before: MotionPlan, after: MotionPlan, options: Options, *more: object) -> Segment:
+        motion = options.motion or MotionOptions()
+        fallback = isinstance(motion.solver, Structured) and motion.solver.fallback is not None
+        locked = any(isinstance(f, Locked) for f in motion.constraints)
+        asked.append((before.name, options.search.transition_candidates, fallback, locked))
+        raise UnsolvedError(f"no way {len(asked)}")
+
+    monkeypatch.setattr("gaitforge.pipeline.restart.plan_change", change)
+    monkeypatch.setattr("gaitforge.pipeline.restart.plan_stand", lambda *more: gait)
+    now = Damage(robot, OPTIONS, {"L1": Failed("locked", (0.0, 0.0, 0.0))}, halt, clear, ("L1",))
+    with pytest.raises(UnsolvedError, match="no way 3"):
+        plan_restart(now, gait, Stopwatch(), Workers())
+    assert asked == [("all_clear", 1, False, False), ("all_halt", 4, True, True), ("all_clear", 4, True, False)]
+    asked.clear()
+    with pytest.raises(UnsolvedError, match="no way 1"):
+        plan_restart(replace(now, held=()), gait, Stopwatch(), Workers())
+    assert asked == [("all_clear", 4, True, False)]
 
 
 def test_a_damaged_robot_may_walk_slower_and_what_was_tried_is_told(
