@@ -38,7 +38,7 @@ def refused(verdict: Verdict, segments: Sequence[Segment]) -> tuple[Refusal, ...
             blame.setdefault(index, []).append(check)
         if check.name == "fallen":
             break
-    told = {_identity_of(segments[i]): _words(checks) for i, checks in blame.items()}
+    told = {_identity_of(segments[i]): _words(names[i], checks) for i, checks in blame.items()}
     return tuple(Refusal(s.plan.name, who, told[who]) for s in segments if (who := _identity_of(s)) in told)
 
 
@@ -59,8 +59,9 @@ def _to_blame(segments: Sequence[Segment], index: int) -> int | None:
     return None
 
 
-def _words(checks: Sequence[Check]) -> str:
-    said = (f"{c.name} of {c.segment} {c.value:.4g} {c.unit} in {c.simulator}" for c in checks)
+def _words(name: str, checks: Sequence[Check]) -> str:
+    where = {c: "" if c.segment == name else f" of {c.segment}" for c in checks}
+    said = (f"{c.name}{of} {c.value:.4g} {c.unit} in {c.simulator}" for c, of in where.items())
     return "refused: " + ", ".join(said)
 
 
