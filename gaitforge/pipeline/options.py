@@ -39,7 +39,7 @@ class Search:
     limp_friction: float = 0.2
     """[N m] dry friction in the joints of limp limbs that plans count on"""
     replans: int = 2
-    """Times that a task is planned again without the gaits and transitions that fail in simulation."""
+    """Times that a task is planned again without the segments that fail in simulation."""
     workers: int = 1
     """Processes that plan at the same time, this one included; results do not depend on it."""
 
@@ -72,5 +72,5 @@ class Options:
     """Keyword arguments of the pattern synthesis (constraint families, solver, seed, time limit)."""
     search: Search = field(default_factory=Search)
     refused: tuple[Refusal, ...] = ()
-    """Gaits and transitions that have failed in simulation"""
+    """Segments that have failed in simulation"""
     seed: int = 0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from gaitforge.errors import InfeasibleError, UnsolvedError
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.refusals import refused
+from gaitforge.pipeline.refusals import refused, why_refused
 from gaitforge.pipeline.schedule import plan_task
 from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
@@ -33,9 +33,9 @@ def proven(
 ) -> Proven:
     """The verdict of `execute` on a planned task, or on what takes its place.
 
-    Gaits and transitions that fail are refused, and the task is planned again without them, up to `search.replans`
-    times: the first plan that passes is kept, else the one with the fewest failed checks.  Plans of equation (3) are
-    judged as they are.
+    Segments that fail are refused, and the task is planned again without them, up to `search.replans` times, as long
+    as there is something to take their place: the first plan that passes is kept, else the one with the fewest failed
+    checks.  Plans of equation (3) are judged as they are.
     """
     plans, verdict = tuple(done), execute(done)
     verdicts, best = [verdict], (plans, verdict)
@@ -51,6 +51,9 @@ def proven(
             plan_task(robot, task, options, watch, other)
         except (UnsolvedError, InfeasibleError) as error:
             watch.progress("verify", f"nothing to take its place ({error})")
+            break
+        if again := [s.plan.name for s in other if why_refused(s.plan, options.refused)]:
+            watch.progress("verify", f"nothing to take the place of {', '.join(again)}")
             break
         plans, verdict = tuple(other), execute(other)
         verdicts.append(verdict)

@@ -9,6 +9,7 @@ from typing import Literal
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.refusals import why_refused
 from gaitforge.pipeline.segment import Attempt, Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.pipeline.tries import unexplained
@@ -78,5 +79,7 @@ def _plan(
     timed = replace(motion, stand_seconds=stretch * motion.stand_seconds)
     with watch.stage("motion"):
         plan = (plan_start if which == "start" else plan_stop)(robot, gait, name=name, options=timed)
+    if why := why_refused(plan, options.refused):
+        raise UnsolvedError(why)
     watch.progress("motion", f"{plan.name}: {plan.duration:.2f} s, {plan.report.seconds:.2f} s to solve")
     return plan

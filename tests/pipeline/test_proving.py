@@ -125,10 +125,27 @@ def test_a_pattern_that_was_asked_for_has_nothing_to_take_its_place(case: Case) 
     assert "nothing to take its place" in told[-1]
 
 
-def test_a_stand_is_put_down_to_the_gait_that_it_begins_or_ends(case: Case) -> None:
-    verdict = Simulation(case.robot, CheckLimits(stand=SegmentLimits(slip_mm=0.0)))(case.segments)
-    assert {c.segment for c in verdict.failed} == {"start", "stop"}
-    assert [r.segment for r in refused(verdict, case.segments)] == ["six", "five"]
+def test_a_refused_start_takes_another_time_and_a_refused_stop_another_column(case: Case) -> None:
+    found, simulation = prove(case, replans=1, limits=CheckLimits(stand=SegmentLimits(slip_mm=0.0)))
+    old, new = ([s.plan for s in plans if s.plan.kind != "gait"] for plans in simulation.plans)
+    assert {c.segment for c in found.verdicts[0].failed} == {"start", "stop"}
+    assert named(simulation.plans[1], "start").plan.duration == 1.6 * named(simulation.plans[0], "start").plan.duration
+    assert [plan.name for plan in old] == ["start", "six_to_five", "stop"]
+    assert [plan.name for plan in new] == ["start", "six_to_five", "five_until_stop", "stop"]
+
+
+def test_what_has_nothing_to_take_its_place_is_not_simulated_again(case: Case) -> None:
+    """A halt is what it is."""
+    data = {"limbs": ["R3"], "at": 0.5, "phases": [
+        {"name": "all", "cycles": 1, "gait": "tripod", "failure": {}}, {"name": "without", "cycles": 1},
+    ]}  # fmt: skip
+    task, done, told = load_task(data, "t", robot=case.robot), list[Segment](), list[str]()
+    watch = Stopwatch(lambda stage, message: told.append(message))
+    plan_task(case.robot, task, asked(0), watch, done)
+    simulation = Simulation(case.robot, CheckLimits(stand=SegmentLimits(slip_mm=0.0)))
+    found = proven(case.robot, task, asked(2), watch, done, simulation)
+    assert len(found.verdicts) == 1
+    assert "nothing to take the place of all_halt" in told[-1]
 
 
 def test_a_gait_is_the_same_whichever_column_it_begins_with(case: Case) -> None:
@@ -137,10 +154,10 @@ def test_a_gait_is_the_same_whichever_column_it_begins_with(case: Case) -> None:
     assert refused(verdict, turned) == refused(verdict, case.segments) != ()
 
 
-def test_after_a_fall_nothing_more_is_blamed(case: Case) -> None:
+def test_after_a_fall_no_later_segment_is_refused(case: Case) -> None:
     verdict = Simulation(case.robot, replace(STRICT, fallen_deg=0.0))(case.segments)
     assert {"six", "five"} <= {c.segment for c in verdict.failed if c.name == "fallen"}
-    assert [r.segment for r in refused(verdict, case.segments)] == ["six"]
+    assert [r.segment for r in refused(verdict, case.segments)] == ["start"]
 
 
 def test_a_dodecapod_whose_steps_fail_in_simulation_takes_others_and_walks_on() -> None:
