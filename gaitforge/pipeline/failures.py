@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,15 @@ from gaitforge.pipeline.damage import Damage, kept_clear, stuck
 from gaitforge.pipeline.gaits import nonlocomotive
 from gaitforge.pipeline.hung import hang_up, spaced
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.refusals import why_refused
 from gaitforge.pipeline.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Failure, Task
-from gaitforge.task.roles import Failed
+from gaitforge.task.roles import Failed, Role
+
+HALTS = (1.0, 0.6, 1.6)
+"""Factors on the time of a halt, in this order: 0.6 may catch a robot that tips while its feet are put down"""
 
 
 def stretches(task: Task) -> Iterator[range]:
@@ -71,7 +76,7 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
     Raises `UnsolvedError` when there is no plan for a halt.
     """
     from gaitforge.motion.failure.cut import begun
-    from gaitforge.motion.failure.halt import CLEAR_M, lowest, plan_clear, plan_halt
+    from gaitforge.motion.failure.halt import CLEAR_M, lowest, plan_clear
 
     robot, name, motion = now.robot, gait.name, now.options.motion
     column = moment(robot, gait, failure, now.options.seed)
@@ -83,7 +88,7 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
     watch.progress("motion", f"{name}: {', '.join(failure.limbs)} {failure.mode} at {column} of {gait.pattern.columns}")
     clear: MotionPlan | None = None
     with watch.stage("motion"):
-        stand = plan_halt(robot, until, roles, name=f"{name}_halt", options=motion)
+        stand = _halted(robot, until, roles, now.options, f"{name}_halt")
         done.append(Segment(stand))
         held = tuple(n for n in failed if n in stand.pattern.locomotive)
         locked = tuple(n for n, role in failed.items() if role.mode == "locked")
@@ -97,6 +102,22 @@ def plan_failure(now: Damage, gait: MotionPlan, failure: Failure, watch: Stopwat
     options = kept_clear(damaged, failed, now.options)
     options = spaced(damaged, options, failed) if hung else options
     return Damage(damaged, options, failed, stand, clear, held, gait.pattern, hung)
+
+
+def _halted(
+    robot: RobotModel, until: MotionPlan, roles: Mapping[str, Role], options: Options, name: str
+) -> MotionPlan:  # fmt: skip
+    """The halt; where simulation has refused it, a quicker one, then a slower one."""
+    from gaitforge.motion.failure.halt import plan_halt
+    from gaitforge.motion.options import MotionOptions
+
+    motion = options.motion or MotionOptions()
+    halts = (
+        plan_halt(robot, until, roles, name=name, options=replace(motion, stand_seconds=share * motion.stand_seconds))
+        for share in HALTS
+    )
+    first = next(halts)
+    return next((halt for halt in chain([first], halts) if why_refused(halt, options.refused) is None), first)
 
 
 def moment(robot: RobotModel, gait: MotionPlan, failure: Failure, seed: int) -> int:

@@ -34,8 +34,8 @@ def proven(
     """The verdict of `execute` on a planned task, or on what takes its place.
 
     Segments that fail are refused, and the task is planned again without them, up to `search.replans` times, as long
-    as there is something to take their place: the first plan that passes is kept, else the one with the fewest failed
-    checks.  Plans of equation (3) are judged as they are.
+    as there is something to take the place of any: the first plan that passes is kept, else the one with the fewest
+    failed checks.  Plans of equation (3) are judged as they are.
     """
     plans, verdict = tuple(done), execute(done)
     verdicts, best = [verdict], (plans, verdict)
@@ -52,8 +52,10 @@ def proven(
         except (UnsolvedError, InfeasibleError) as error:
             watch.progress("verify", f"nothing to take its place ({error})")
             break
-        if again := [s.plan.name for s in other if why_refused(s.plan, options.refused)]:
+        again = [s.plan.name for s in other if why_refused(s.plan, options.refused)]
+        if again:
             watch.progress("verify", f"nothing to take the place of {', '.join(again)}")
+        if {one.segment for one in fresh} <= {*again}:
             break
         plans, verdict = tuple(other), execute(other)
         verdicts.append(verdict)

@@ -134,8 +134,8 @@ def test_a_refused_start_takes_another_time_and_a_refused_stop_another_column(ca
     assert [plan.name for plan in new] == ["start", "six_to_five", "five_until_stop", "stop"]
 
 
-def test_what_has_nothing_to_take_its_place_is_not_simulated_again(case: Case) -> None:
-    """A halt is what it is."""
+def test_halts_and_starts_take_every_time_there_is_and_then_nothing_is_simulated_again(case: Case) -> None:
+    """The stand that lifts a locked foot off the ground is what it is."""
     data = {"limbs": ["R3"], "at": 0.5, "phases": [
         {"name": "all", "cycles": 1, "gait": "tripod", "failure": {}}, {"name": "without", "cycles": 1},
     ]}  # fmt: skip
@@ -143,9 +143,12 @@ def test_what_has_nothing_to_take_its_place_is_not_simulated_again(case: Case) -
     watch = Stopwatch(lambda stage, message: told.append(message))
     plan_task(case.robot, task, asked(0), watch, done)
     simulation = Simulation(case.robot, CheckLimits(stand=SegmentLimits(slip_mm=0.0)))
-    found = proven(case.robot, task, asked(2), watch, done, simulation)
-    assert len(found.verdicts) == 1
-    assert "nothing to take the place of all_halt" in told[-1]
+    found = proven(case.robot, task, asked(9), watch, done, simulation)
+    assert any("nothing to take the place of all_clear" in line for line in told)
+    halts, starts = ({named(p, name).plan.duration for p in simulation.plans} for name in ("all_halt", "start"))
+    assert halts == {1.0, 0.6, 1.6}
+    assert starts == {1.0, 1.6, 2.4, 0.6, 0.25}
+    assert len(found.verdicts) == 5
 
 
 def test_a_gait_is_the_same_whichever_column_it_begins_with(case: Case) -> None:

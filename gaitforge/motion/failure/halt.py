@@ -32,8 +32,8 @@ CLEAR_M = 0.01
 """[m] that a foot which cannot be lifted any more is off the ground"""
 SPARE_M = 0.002
 """[m] more, where the stand ends: what follows keeps `CLEAR_M`"""
-CATCH_S = 0.25
-"""[s] of a halt that has to be quick"""
+CATCH = 0.25
+"""Of `stand_seconds`, for a halt that has to be quick"""
 SHARES = (0.5, 0.3, 0.1)
 """Shares by which the support polygon is shrunk: a body that stands may be nearer to its edge than one that walks."""
 
@@ -83,9 +83,9 @@ def plan_halt(
         if not landing or not _failed(roles, "limp"):
             raise
     unbalanced = tuple(f for f in options.constraints if not isinstance(f, Balance))
-    quick = replace(options, stand_seconds=CATCH_S, constraints=unbalanced)
+    quick = replace(options, stand_seconds=CATCH * options.stand_seconds, constraints=unbalanced)
     caught = _stand(robot, name, pattern, now, roles, quick, families)
-    seconds = CATCH_S * LANDING / COLUMNS
+    seconds = quick.stand_seconds * LANDING / COLUMNS
     told = f"no balance for {seconds:.2f} s, until feet are put down"
     return replace(caught, unbalanced_s=seconds, relaxed=(*caught.relaxed, told))
 
