@@ -40,7 +40,7 @@ def proven(
     plans, verdict = tuple(done), execute(done)
     verdicts, best = [verdict], (plans, verdict)
     for turn in range(options.search.replans if options.transition == "optimise" else 0):
-        fresh = [r for r in refused(verdict, plans) if r not in options.refused]
+        fresh = [r for r in refused(verdict, plans, options.refused) if r not in options.refused]
         if verdict.passed or not fresh:
             break
         for one in fresh:

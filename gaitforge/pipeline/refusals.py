@@ -26,12 +26,18 @@ class Refusal:
     why: str
 
 
-def refused(verdict: Verdict, segments: Sequence[Segment]) -> tuple[Refusal, ...]:
-    """The segments whose checks failed; after a fall no later ones.  A gait that comes twice is refused everywhere."""
-    names = [s.plan.name for s in segments]
+def refused(verdict: Verdict, segments: Sequence[Segment], earlier: Sequence[Refusal] = ()) -> tuple[Refusal, ...]:
+    """The segments whose checks failed; after a fall no later ones.  A gait that comes twice is refused everywhere.
+
+    With a stand that was refused `earlier` as well the gait is refused that it begins or ends.
+    """
+    names, before = [s.plan.name for s in segments], {r.segment for r in earlier}
     blame: dict[int, list[Check]] = {}
     for check in sorted(verdict.failed, key=lambda c: names.index(c.segment)):
-        blame.setdefault(names.index(check.segment), []).append(check)
+        index = names.index(check.segment)
+        blame.setdefault(index, []).append(check)
+        if check.segment in before and (gait := _beside(segments, index)) is not None:
+            blame.setdefault(gait, []).append(check)
         if check.name == "fallen":
             break
     told = {_identity_of(segments[i].plan): _words(checks) for i, checks in blame.items()}
@@ -49,6 +55,15 @@ def why_refused(plan: MotionPlan, refusals: Sequence[Refusal]) -> str | None:
     """What a simulator has refused this plan for, by its pattern and time; None for one that it has not."""
     who = plan.name, _identity_of(plan)
     return next((r.why for r in refusals if (r.segment, r.identity) == who), None)
+
+
+def _beside(segments: Sequence[Segment], index: int) -> int | None:
+    """Of a stand: the gait that follows, or that comes before."""
+    if segments[index].plan.kind == "stand":
+        for other in (index + 1, index - 1):
+            if 0 <= other < len(segments) and segments[other].plan.kind == "gait":
+                return other
+    return None
 
 
 def _words(checks: Sequence[Check]) -> str:

@@ -134,7 +134,7 @@ def test_a_refused_start_takes_another_time_and_a_refused_stop_another_column(ca
     assert [plan.name for plan in new] == ["start", "six_to_five", "five_until_stop", "stop"]
 
 
-def test_halts_and_starts_take_every_time_there_is_and_then_nothing_is_simulated_again(case: Case) -> None:
+def test_halts_and_starts_take_other_times_and_when_nothing_is_left_nothing_is_simulated_again(case: Case) -> None:
     """The stand that lifts a locked foot off the ground is what it is."""
     data = {"limbs": ["R3"], "at": 0.5, "phases": [
         {"name": "all", "cycles": 1, "gait": "tripod", "failure": {}}, {"name": "without", "cycles": 1},
@@ -146,9 +146,16 @@ def test_halts_and_starts_take_every_time_there_is_and_then_nothing_is_simulated
     found = proven(case.robot, task, asked(9), watch, done, simulation)
     assert any("nothing to take the place of all_clear" in line for line in told)
     halts, starts = ({named(p, name).plan.duration for p in simulation.plans} for name in ("all_halt", "start"))
-    assert halts == {1.0, 0.6, 1.6}
-    assert starts == {1.0, 1.6, 2.4, 0.6, 0.25}
-    assert len(found.verdicts) == 5
+    assert halts == {1.0, 0.6}
+    assert starts == {1.0, 1.6}
+    assert len(found.verdicts) == 2, "then the tripod is refused, and no other gait may take its place"
+
+
+def test_with_a_stand_that_is_refused_again_the_gait_beside_it_is_refused(case: Case) -> None:
+    verdict = Simulation(case.robot, CheckLimits(stand=SegmentLimits(slip_mm=0.0)))(case.segments)
+    once = refused(verdict, case.segments)
+    assert [r.segment for r in once] == ["start", "stop"]
+    assert [r.segment for r in refused(verdict, case.segments, once)] == ["start", "six", "five", "stop"]
 
 
 def test_a_gait_is_the_same_whichever_column_it_begins_with(case: Case) -> None:
