@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gaitforge.motion.plan import MotionPlan
     from gaitforge.motion.timeline import Timeline
     from gaitforge.pipeline.options import Options
-    from gaitforge.pipeline.segment import Segment
+    from gaitforge.pipeline.search.segment import Segment
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,7 @@ class ChangeJob:
         self, old: PlannedGait, new: PlannedGait, options: Options, leave: int | None
     ) -> tuple[Segment, list[tuple[MotionPlan, int]]]:
         from gaitforge.motion.stand import plan_start
-        from gaitforge.pipeline.transitions import meeting, plan_change
+        from gaitforge.pipeline.search.transitions import meeting, plan_change
 
         robot = robot_called(self.before.robot)
         change = plan_change(robot, old.plan, new.plan, options, Stopwatch(), leave=leave)

@@ -65,7 +65,7 @@ def _phase(data: dict[str, Any], key: str, file: str) -> dict[str, Any]:
 def plan_gait_case(case: GaitCase, options: Options) -> PlannedGait:
     """The gait and its start; errors as those of the pipeline's `plan_phase`."""
     from gaitforge.motion.stand import plan_start
-    from gaitforge.pipeline.gaits import plan_phase
+    from gaitforge.pipeline.search.gaits import plan_phase
 
     robot, watch = robot_called(case.robot), Stopwatch()
     plan = plan_phase(robot, case.phase, Scene(), options, watch).plan

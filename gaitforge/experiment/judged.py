@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from gaitforge.motion.transition import mean_command
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.verify.verdict import Check, Verdict
 
 

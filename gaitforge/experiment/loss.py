@@ -18,7 +18,7 @@ from gaitforge.task.scene import Scene
 
 if TYPE_CHECKING:
     from gaitforge.pipeline.options import Options
-    from gaitforge.pipeline.segment import Segment
+    from gaitforge.pipeline.search.segment import Segment
     from gaitforge.robot.model import RobotModel
     from gaitforge.verify.verdict import Verdict
 

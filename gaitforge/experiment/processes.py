@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any
 
 from gaitforge.errors import SimulationError
-from gaitforge.pipeline.tries import THREADS
+from gaitforge.pipeline.search.tries import THREADS
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 """A function of a module and its arguments, all of which can be pickled."""

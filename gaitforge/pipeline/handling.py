@@ -11,7 +11,7 @@ import numpy as np
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.handling import GROUND, Pick, Place

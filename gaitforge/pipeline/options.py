@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from gaitforge.motion.options import MotionOptions
-    from gaitforge.pipeline.refusals import Refusal
+    from gaitforge.pipeline.search.refusals import Refusal
     from gaitforge.record.recorder import McapRecorder
     from gaitforge.verify.both import Both
     from gaitforge.verify.checks import CheckLimits

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 from gaitforge.errors import InfeasibleError, UnsolvedError
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.refusals import refused, why_refused
 from gaitforge.pipeline.schedule import plan_task
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.refusals import refused, why_refused
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Task

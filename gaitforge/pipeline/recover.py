@@ -13,8 +13,8 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.rotate import rotated
-from gaitforge.pipeline.segment import Attempt, exhausted
-from gaitforge.pipeline.tries import Try, attempt, cheapest, unexplained, why
+from gaitforge.pipeline.search.segment import Attempt, exhausted
+from gaitforge.pipeline.search.tries import Try, attempt, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Failed, Held, Role
 

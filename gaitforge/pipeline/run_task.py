@@ -10,7 +10,7 @@ from gaitforge.errors import GaitforgeError, InputError
 from gaitforge.pipeline.files import write_log_files, write_plan_files, write_report, write_start_files
 from gaitforge.pipeline.run import EXIT_CODES, Run, RunOutcome
 from gaitforge.pipeline.schedule import plan_task
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.report.summary import build_summary, segment_entry, write_summary
 from gaitforge.verify.agreement import opinions

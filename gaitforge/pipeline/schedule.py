@@ -10,17 +10,17 @@ from math import cos, sin
 from gaitforge.errors import InfeasibleMotion, UnsolvedError
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.trajectory import planar_motion
-from gaitforge.pipeline.damage import Damage
-from gaitforge.pipeline.failures import at_speed, plan_failure, refuse_hopeless, stretches
-from gaitforge.pipeline.gaits import nonlocomotive, plan_phase
+from gaitforge.pipeline.failure.damage import Damage
+from gaitforge.pipeline.failure.event import at_speed, plan_failure, refuse_hopeless, stretches
+from gaitforge.pipeline.failure.restart import plan_restart
 from gaitforge.pipeline.handling import blocks, carriage
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.restart import plan_restart
-from gaitforge.pipeline.segment import Attempt, Segment
-from gaitforge.pipeline.stands import plan_end, plan_stand
+from gaitforge.pipeline.search.gaits import nonlocomotive, plan_phase
+from gaitforge.pipeline.search.segment import Attempt, Segment
+from gaitforge.pipeline.search.stands import plan_end, plan_stand
+from gaitforge.pipeline.search.transitions import meeting, plan_change
+from gaitforge.pipeline.search.tries import Workers
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.transitions import meeting, plan_change
-from gaitforge.pipeline.tries import Workers
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase, Task
 

@@ -39,8 +39,8 @@ def planning(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
             raise UnsolvedError("in its own way")
         return "start of the turned gait"
 
-    monkeypatch.setattr("gaitforge.pipeline.transitions.plan_change", plan_change)
-    monkeypatch.setattr("gaitforge.pipeline.transitions.meeting", lambda a, b, pattern, options: ("turned", b))
+    monkeypatch.setattr("gaitforge.pipeline.search.transitions.plan_change", plan_change)
+    monkeypatch.setattr("gaitforge.pipeline.search.transitions.meeting", lambda a, b, pattern, options: ("turned", b))
     monkeypatch.setattr("gaitforge.motion.stand.plan_start", plan_start)
     monkeypatch.setattr("gaitforge.motion.timeline_build.build_timeline", lambda robot, parts, scene: parts)
     return kept

@@ -7,7 +7,7 @@ import pytest
 
 from gaitforge.errors import InfeasibleMotion
 from gaitforge.motion.limits import fastest_foot, longest_reach
-from gaitforge.pipeline.certificate import refuse_impossible_speed
+from gaitforge.pipeline.search.certificate import refuse_impossible_speed
 from gaitforge.robot.load import load_robot
 
 ROBOTS = ("hexapod", "dodecapod", "quadruped")

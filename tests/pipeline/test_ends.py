@@ -14,9 +14,9 @@ from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.rotate import rotated
 from gaitforge.motion.timeline_build import build_timeline
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.stands import plan_end
+from gaitforge.pipeline.search.stands import plan_end
+from gaitforge.pipeline.search.tries import unexplained
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import unexplained
 from gaitforge.robot.model import RobotModel
 
 OPTIONS = Options(simulator=None, recorder=None)  # type: ignore[arg-type]  # planning simulates and records nothing

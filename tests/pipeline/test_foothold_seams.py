@@ -10,7 +10,7 @@ from gaitforge.errors import InfeasibleFootfall
 from gaitforge.footfall.constraints.g08_stance_count import StanceCount
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.pipeline.seams import MOST_COLUMNS, Ends, foot_paths, meetings, nearest, order, turning_points
+from gaitforge.pipeline.search.seams import MOST_COLUMNS, Ends, foot_paths, meetings, nearest, order, turning_points
 from gaitforge.robot.model import RobotModel
 
 

@@ -14,7 +14,7 @@ from gaitforge.motion.timeline import place
 from gaitforge.motion.timeline_build import laid_out, last_pose
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.schedule import plan_task
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.rotation import matrices

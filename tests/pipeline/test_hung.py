@@ -9,11 +9,11 @@ from gaitforge.motion.constraints.off_ground import OffGround
 from gaitforge.motion.failure.fold import fold_groups
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.pipeline.damage import stuck
-from gaitforge.pipeline.hung import CLEARANCE_M, hang_up, spaced
+from gaitforge.pipeline.failure.damage import stuck
+from gaitforge.pipeline.failure.hung import CLEARANCE_M, hang_up, spaced
 from gaitforge.pipeline.options import Options, Search
 from gaitforge.pipeline.schedule import plan_task
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Failure, Phase, Task

@@ -10,7 +10,7 @@ from gaitforge.footfall.synthesis import transition_pattern_candidates
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options, Search
-from gaitforge.pipeline.transitions import meeting
+from gaitforge.pipeline.search.transitions import meeting
 from gaitforge.robot.model import RobotModel
 
 

@@ -16,14 +16,14 @@ from gaitforge.motion.costs import Smoothness
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.solvers.structured import Structured
-from gaitforge.pipeline.damage import SPEEDS, Damage, kept_clear, stuck
-from gaitforge.pipeline.failures import at_speed, moment, refuse_hopeless, stretches
+from gaitforge.pipeline.failure.damage import SPEEDS, Damage, kept_clear, stuck
+from gaitforge.pipeline.failure.event import at_speed, moment, refuse_hopeless, stretches
+from gaitforge.pipeline.failure.restart import plan_restart
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.restart import plan_restart
 from gaitforge.pipeline.schedule import plan_task
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.segment import Segment
+from gaitforge.pipeline.search.tries import Workers
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import Workers
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.load import load_task
@@ -160,8 +160,8 @@ def test_failed_feet_bear_load_once_more_when_there_are_no_steps_from_the_stand_
             raise UnsolvedError("no steps")
         return Segment(replace(stand, name="steps"))
 
-    monkeypatch.setattr("gaitforge.pipeline.restart._settled", settled)
-    monkeypatch.setattr("gaitforge.pipeline.restart.plan_stand", lambda *a: plans["without_start"])
+    monkeypatch.setattr("gaitforge.pipeline.failure.restart._settled", settled)
+    monkeypatch.setattr("gaitforge.pipeline.failure.restart.plan_stand", lambda *a: plans["without_start"])
     now = Damage(stuck(hexapod, roles), OPTIONS, roles, halt, clear, held)
     four = replace(plans["without"], pattern=replace(plans["without"].pattern, contact=np.zeros((6, 12), dtype=bool)))
     if not held:
@@ -184,8 +184,8 @@ def test_many_limbs_step_as_in_a_transition_whose_accelerations_are_dear(
         asked.append((options, at_rest.command))
         return Segment(stand)
 
-    monkeypatch.setattr("gaitforge.pipeline.restart.plan_change", change)
-    monkeypatch.setattr("gaitforge.pipeline.restart.plan_stand", lambda *a: plans["without_start"])
+    monkeypatch.setattr("gaitforge.pipeline.failure.restart.plan_change", change)
+    monkeypatch.setattr("gaitforge.pipeline.failure.restart.plan_stand", lambda *a: plans["without_start"])
     roles = {"R3": plans["without"].roles["R3"]}
     now = Damage(stuck(hexapod, roles), OPTIONS, roles, plans["all_halt"])
     plan_restart(now, replace(plans["all"], name="without"), Stopwatch(), Workers())
@@ -216,8 +216,8 @@ def test_many_limbs_give_up_early_where_failed_feet_may_bear_load_and_try_all_th
         asked.append((before.name, options.search.transition_candidates, fallback, locked))
         raise UnsolvedError(f"no way {len(asked)}")
 
-    monkeypatch.setattr("gaitforge.pipeline.restart.plan_change", change)
-    monkeypatch.setattr("gaitforge.pipeline.restart.plan_stand", lambda *more: gait)
+    monkeypatch.setattr("gaitforge.pipeline.failure.restart.plan_change", change)
+    monkeypatch.setattr("gaitforge.pipeline.failure.restart.plan_stand", lambda *more: gait)
     now = Damage(robot, OPTIONS, {"L1": Failed("locked", (0.0, 0.0, 0.0))}, halt, clear, ("L1",))
     with pytest.raises(UnsolvedError, match="no way 3"):
         plan_restart(now, gait, Stopwatch(), Workers())

@@ -13,9 +13,9 @@ from gaitforge.motion.rotate import rotated
 from gaitforge.motion.timeline_build import build_timeline
 from gaitforge.pipeline.options import Options, Search
 from gaitforge.pipeline.proving import Proven, proven
-from gaitforge.pipeline.refusals import refused
 from gaitforge.pipeline.schedule import plan_task
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.refusals import refused
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.load import load_task

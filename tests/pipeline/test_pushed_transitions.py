@@ -10,7 +10,7 @@ import pytest
 import gaitforge.motion.failure.still as still
 import gaitforge.motion.strain as strain
 from gaitforge.motion.options import MotionOptions
-from gaitforge.pipeline.transitions import _Found
+from gaitforge.pipeline.search.transitions import _Found
 
 
 @pytest.mark.parametrize(("deep", "samples", "sound"), [(2e-4, 3, True), (5e-4, 3, False), (5e-4, 6, True)])

@@ -9,8 +9,8 @@ import pytest
 import gaitforge as gf
 from gaitforge.motion.constraints.effort import Effort
 from gaitforge.motion.strain import bounded, least_strain
-from gaitforge.pipeline.sparing import spared
-from gaitforge.pipeline.tries import Try, attempt, unexplained
+from gaitforge.pipeline.search.sparing import spared
+from gaitforge.pipeline.search.tries import Try, attempt, unexplained
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import TRIPOD
 
@@ -54,7 +54,7 @@ def test_a_try_without_a_plan_is_not_made_again(monkeypatch: pytest.MonkeyPatch)
     def never(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("gaitforge.pipeline.sparing.attempt", never)
+    monkeypatch.setattr("gaitforge.pipeline.search.sparing.attempt", never)
     one = tripod_of(weaker(1.0))
     result = replace(attempt(one), plan=None)
     assert spared(one, result) is result

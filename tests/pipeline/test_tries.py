@@ -16,7 +16,7 @@ from gaitforge.footfall.given import alternating
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.report import SolveReport
-from gaitforge.pipeline.tries import Result, Try, Workers, attempt, cheapest, room_for_more
+from gaitforge.pipeline.search.tries import Result, Try, Workers, attempt, cheapest, room_for_more
 from gaitforge.robot.load import load_robot
 from gaitforge.robot.model import RobotModel
 
@@ -84,7 +84,7 @@ def tries(robot: RobotModel) -> list[Try]:
 
 @pytest.fixture
 def idle(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gaitforge.pipeline.tries.room_for_more", lambda: True)
+    monkeypatch.setattr("gaitforge.pipeline.search.tries.room_for_more", lambda: True)
 
 
 @pytest.mark.usefixtures("idle")
@@ -107,7 +107,7 @@ def test_no_process_is_started_for_a_single_try(hexapod: RobotModel, monkeypatch
     def refuse(*_: Any, **__: Any) -> None:
         raise AssertionError("a process was started")
 
-    monkeypatch.setattr("gaitforge.pipeline.tries.ProcessPoolExecutor", refuse)
+    monkeypatch.setattr("gaitforge.pipeline.search.tries.ProcessPoolExecutor", refuse)
     with Workers(4) as workers:
         (result,) = workers.run(tries(hexapod)[:1])
     assert result.plan is not None

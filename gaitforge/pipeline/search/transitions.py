@@ -12,11 +12,11 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.refusals import allowed
-from gaitforge.pipeline.segment import Attempt, Segment, exhausted
-from gaitforge.pipeline.sparing import spared
+from gaitforge.pipeline.search.refusals import allowed
+from gaitforge.pipeline.search.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.search.sparing import spared
+from gaitforge.pipeline.search.tries import Try, Workers, cheapest, unexplained, why
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
 
 SECOND_LOOKS = 4
@@ -179,7 +179,7 @@ def _patterns(
     watch: Stopwatch, attempts: list[Attempt], refusals: list[InfeasibleFootfall], leave: int | None,
 ) -> tuple[FootfallPattern, ...]:  # fmt: skip
     from gaitforge.footfall.synthesis import transition_pattern_candidates
-    from gaitforge.pipeline.seams import meetings
+    from gaitforge.pipeline.search.seams import meetings
 
     begin = time.perf_counter()
     search = options.search

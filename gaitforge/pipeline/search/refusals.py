@@ -9,8 +9,8 @@ import numpy as np
 
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.pipeline.segment import Attempt, Segment
-from gaitforge.pipeline.tries import Try
+from gaitforge.pipeline.search.segment import Attempt, Segment
+from gaitforge.pipeline.search.tries import Try
 from gaitforge.verify.verdict import Check, Verdict
 
 Identity = tuple[bytes, float]

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.pipeline.damage import Damage
+from gaitforge.pipeline.failure.damage import Damage
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Failed, Role

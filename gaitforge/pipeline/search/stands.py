@@ -9,10 +9,10 @@ from typing import Literal
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.refusals import why_refused
-from gaitforge.pipeline.segment import Attempt, Segment
+from gaitforge.pipeline.search.refusals import why_refused
+from gaitforge.pipeline.search.segment import Attempt, Segment
+from gaitforge.pipeline.search.tries import unexplained
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import unexplained
 from gaitforge.robot.model import RobotModel
 
 STRETCHES = (1.0, 1.6, 2.4, 0.6, 0.25)

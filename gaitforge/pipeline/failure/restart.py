@@ -13,15 +13,15 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.footfall.settling import MOST
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.pipeline.damage import Damage
-from gaitforge.pipeline.hung import rise
+from gaitforge.pipeline.failure.damage import Damage
+from gaitforge.pipeline.failure.hung import rise
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.refusals import allowed
-from gaitforge.pipeline.segment import Attempt, Segment, exhausted
-from gaitforge.pipeline.stands import plan_stand
+from gaitforge.pipeline.search.refusals import allowed
+from gaitforge.pipeline.search.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.search.stands import plan_stand
+from gaitforge.pipeline.search.transitions import plan_change
+from gaitforge.pipeline.search.tries import Try, Workers, attempt, quick, unexplained
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.transitions import plan_change
-from gaitforge.pipeline.tries import Try, Workers, attempt, quick, unexplained
 
 Array = NDArray[np.float64]
 UNHURRIED = (1.6, 2.4)

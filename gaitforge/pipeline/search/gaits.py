@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
-from gaitforge.pipeline.certificate import refuse_impossible_speed
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.refusals import allowed
-from gaitforge.pipeline.segment import Attempt, Segment, exhausted
-from gaitforge.pipeline.sparing import spared
+from gaitforge.pipeline.search.certificate import refuse_impossible_speed
+from gaitforge.pipeline.search.refusals import allowed
+from gaitforge.pipeline.search.segment import Attempt, Segment, exhausted
+from gaitforge.pipeline.search.sparing import spared
+from gaitforge.pipeline.search.tries import Result, Try, Workers, cheapest, unexplained, why
 from gaitforge.pipeline.stopwatch import Stopwatch
-from gaitforge.pipeline.tries import Result, Try, Workers, cheapest, unexplained, why
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase
 from gaitforge.task.roles import Locomotive, Role, Tool

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gaitforge.pipeline.tries import Result, Try, attempt, quick
+from gaitforge.pipeline.search.tries import Result, Try, attempt, quick
 
 SHARES = (1.2, 1.0)
 """Of the motors' efforts, by the plan's own distribution of forces, the gentler bound first: with 1.2 friction may

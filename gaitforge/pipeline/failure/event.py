@@ -11,12 +11,12 @@ import numpy as np
 
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.pipeline.damage import Damage, kept_clear, stuck
-from gaitforge.pipeline.gaits import nonlocomotive
-from gaitforge.pipeline.hung import hang_up, spaced
+from gaitforge.pipeline.failure.damage import Damage, kept_clear, stuck
+from gaitforge.pipeline.failure.hung import hang_up, spaced
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.refusals import why_refused
-from gaitforge.pipeline.segment import Segment
+from gaitforge.pipeline.search.gaits import nonlocomotive
+from gaitforge.pipeline.search.refusals import why_refused
+from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Failure, Task

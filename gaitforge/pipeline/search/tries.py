@@ -15,7 +15,7 @@ from typing import Any, Literal
 from gaitforge.errors import InfeasibleMotion, UnsolvedError
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.pipeline.segment import Attempt
+from gaitforge.pipeline.search.segment import Attempt
 from gaitforge.robot.model import RobotModel
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
