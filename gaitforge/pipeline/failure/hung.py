@@ -20,6 +20,11 @@ from gaitforge.task.roles import Failed, Role
 Array = NDArray[np.float64]
 CLEARANCE_M = 0.01
 """[m] kept between bodies once limbs hang limp: they swing, and friction holds them a little beside their place"""
+STILL_M = 1e-4
+"""[m] that splines may push feet into the ground between samples: on the steep legs of a body that stands high, feet
+that work against each other lift it off all but two, and its margin is none"""
+FINEST = 10
+"""Samples a column that refinement may use for that"""
 LIFT_M = 0.04
 """[m] that limbs too long to hang clear are off the ground by their foreseen posture: friction may bend them less"""
 Hung = tuple[RobotModel, dict[str, Failed], MotionPlan, bool]
@@ -68,7 +73,7 @@ def hang_up(
 
 
 def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> Options:
-    """The options with more room between bodies where limbs hang limp, and those lifted that touch the ground."""
+    """The options where limbs hang limp: more room between bodies, those lifted that touch the ground, stiller feet."""
     from gaitforge.motion.constraints.off_ground import OffGround
     from gaitforge.motion.failure.hanging import spheres
     from gaitforge.motion.failure.raised import touches
@@ -76,7 +81,12 @@ def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> 
 
     hangs = {n: np.array(role.posture) for n, role in roles.items() if role.mode == "limp"}
     motion = options.motion or MotionOptions()
-    motion = replace(motion, clearance=max(motion.clearance, CLEARANCE_M))
+    motion = replace(
+        motion,
+        clearance=max(motion.clearance, CLEARANCE_M),
+        ground_tolerance=min(motion.ground_tolerance, STILL_M),
+        finest=max(motion.finest, FINEST),
+    )
     long = {n: q for n, q in hangs.items() if touches(robot, {n: q})}
     if long:
         points = tuple(point for n, q in long.items() for point in spheres(robot, robot.limb(n), q))
