@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.constraints.balance import GRAVITY
 from gaitforge.motion.constraints.effort import quasi_static_torques
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.kinematics import evaluate_alike, limb_parameters
 from gaitforge.robot.model import RobotModel
 

@@ -7,10 +7,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.constraints.balance import GRAVITY
 from gaitforge.motion.foot_shares import foot_shares
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.timeline import Timeline, TimelineSamples
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.kinematics import evaluate_alike, joint_axes, limb_parameters
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import matrices

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.errors import InfeasibleMotion
-from gaitforge.motion.constraints.balance import GRAVITY
 from gaitforge.motion.constraints.effort import Effort
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.trajectory import Discretisation
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.kinematics import JOINT_PARAMETERS, evaluate_limb, limb_parameters
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel

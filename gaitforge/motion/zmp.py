@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.footfall.margin import support_margins
-from gaitforge.motion.constraints.balance import GRAVITY
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 

@@ -12,8 +12,6 @@ from gaitforge.robot.model import RobotModel
 from gaitforge.verify.simulator import Progress
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81
-"""[m/s²]"""
 REPORTS = 100
 
 

@@ -10,9 +10,7 @@ import numpy as np
 from gaitforge.motion.family import Family, carried, carried_back
 from gaitforge.motion.problem import Problem, kernel
 from gaitforge.motion.trajectory import Trajectory
-
-GRAVITY = 9.81
-"""[m/s²]"""
+from gaitforge.robot.gravity import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitforge.motion.constraints.balance import GRAVITY
 from gaitforge.motion.family import Family
 from gaitforge.motion.problem import Problem, kernel
 from gaitforge.motion.trajectory import Trajectory
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.kinematics import JOINT_PARAMETERS, LimbPoses, limb_forward, parameter_size, rpy_rotation
 from gaitforge.robot.rotation import matrices
 

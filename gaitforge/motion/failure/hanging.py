@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 
 from gaitforge.motion.bodies import limb_capsules
 from gaitforge.motion.constraints.off_ground import Point
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81
-"""[m/s²]"""
 
 
 def hanging_joints(

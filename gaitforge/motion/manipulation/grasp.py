@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.motion.manipulation.inverse import nearest_joints, tip_joints, unturned_joints
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.kinematics import evaluate_limb, limb_parameters
 from gaitforge.robot.limbs import Limb
 from gaitforge.robot.model import RobotModel
@@ -152,4 +153,4 @@ def _gravity(robot: RobotModel, limb: Limb, q: Array, step: float = 1e-6) -> Arr
     parameters = limb_parameters(robot, limb)
     steps = step * np.eye(len(q))
     ahead, behind = (evaluate_limb(q + s * steps, parameters).moment[:, 2] for s in (1.0, -1.0))
-    return np.asarray(9.81 * (ahead - behind) / (2 * step))
+    return np.asarray(GRAVITY * (ahead - behind) / (2 * step))

@@ -13,13 +13,13 @@ from gaitforge.record.channels.transforms import WORLD
 from gaitforge.record.derived import center_of_pressure
 from gaitforge.record.run import Run
 from gaitforge.record.tree import rotate
+from gaitforge.robot.gravity import GRAVITY
 
 Array = NDArray[np.float64]
 LIFT_M = 0.002
 """[m] drawings lie this far above the ground, or the two flicker through each other."""
 ARROW_M = 0.4
 """[m] length of an arrow that stands for the robot's weight."""
-GRAVITY = 9.81
 
 MAGENTA, BLUE, ORANGE, RED, GREEN = (
     (0.9, 0.1, 0.8),

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.verify.checks.base import Finding, Rows, Segment, SegmentCheck
-from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.feet import CONTACT_N
 from gaitforge.verify.grasps import leaning_rows
 from gaitforge.verify.limp import limp_feet

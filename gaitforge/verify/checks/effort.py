@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.verify.checks.base import Finding, Segment, SegmentCheck
-from gaitforge.verify.execution import GRAVITY
 
 
 @dataclass(frozen=True)

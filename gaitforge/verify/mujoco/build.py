@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from gaitforge.errors import SimulationError
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import quaternions
 from gaitforge.task.scene import Scene, SceneObject
-from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.mujoco.meshes import hand_over_meshes
 from gaitforge.verify.mujoco.settings import Physics
 from gaitforge.verify.scene import boxes_of

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gaitforge.errors import SimulationError
+from gaitforge.robot.gravity import GRAVITY
 from gaitforge.robot.model import RobotModel
 from gaitforge.robot.rotation import matrices, matrices_of_quaternions, poses_of, quaternions
 from gaitforge.task.scene import Scene, SceneObject
-from gaitforge.verify.execution import GRAVITY
 from gaitforge.verify.pybullet.client import quiet
 from gaitforge.verify.scene import boxes_of
 from gaitforge.verify.sight import OTHER
