@@ -27,10 +27,13 @@ class Balance(Family):
     unit: ClassVar[str] = "m"
     enforced: ClassVar[str] = "at samples, for the feet of the interval before and of the one after"
 
+    since: int | None = None
+    """Only after this sample; None: at all of them"""
+
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """Three rows a sample and contact set: x and y of the CoP, and the sum of the weights."""
         grid = trajectory.grid
-        sets = trajectory.weights
+        sets = [one for one in trajectory.weights if self.since is None or one[0] > self.since]
         names = trajectory.robot.limb_names
         labels = [("+".join(names[i] for i in feet), k) for k, feet, _ in sets]
         rows = problem.add_rows(self.name, 0.0, 0.0, (len(sets), 3), self.unit, labels)

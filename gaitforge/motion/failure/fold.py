@@ -38,13 +38,17 @@ SHIFTS = (0.0, 0.03, 0.06, 0.09)
 """[m] that the body comes over the limp feet while it is down: the further, the more they bend"""
 KEPT = 0.55
 """Share of the shift that is kept when it rises: going all the way back would straighten limbs whose feet stick"""
-LOW_M, LATER_M = 0.03, 0.06
-"""[m] of the trunk above the ground while it is down, for the first limbs and for others after them: those that are
-folded already would be pressed against the stops of their joints"""
+CROUCHES = ((0.03, 2.0), (0.045, 2.5), (0.06, 3.0))
+"""[m] of the trunk above the ground while it is down, and the time of the way down or up [s], the deepest first"""
+LATER = ((0.06, 2.0), (0.06, 3.0))
+"""The same for limbs that are folded after others: those that are folded already would be pressed against the stops
+of their joints"""
 FALLS = 1.25
 """Times its friction that gravity turns a joint of a folded limb: one that is held up there falls down later on"""
-COLUMNS, SECONDS = 8, 2.0
+COLUMNS = 8
 """Of the way down, and of the way up"""
+RISE_S = 2.0
+"""[s] of a body that rises straight up"""
 DIP_M, DIP_S = 0.04, 2.0
 """[m] that a body sinks which settles the limbs that hang from it, and the time of the way down or up [s]"""
 
@@ -60,20 +64,20 @@ class Folded:
 
 def plan_fold(
     robot: RobotModel, stand: MotionPlan, roles: Mapping[str, Role], limbs: tuple[str, ...], friction: float, *,
-    name: str = "fold", trunk_m: float = LOW_M, options: MotionOptions | None = None,
+    name: str = "fold", crouch: tuple[float, float] = CROUCHES[0], options: MotionOptions | None = None,
 ) -> Folded:  # fmt: skip
     """Fold the limp `limbs`, of which `stand` ends in the postures that they lie in; `friction` [N m] of their joints.
 
-    The trunk comes down to `trunk_m` above the ground; all feet that stand stay where they are.  Raises
-    `UnsolvedError` when the robot has no way down and up again.
+    `crouch`: height of the trunk above the ground while it is down [m], and the time of the way down, or up [s]; all
+    feet that stand stay where they are.  Raises `UnsolvedError` when the robot has no way down and up again.
     """
     options = options or MotionOptions()
-    now = end_state(robot, stand, stopped=True)
+    now, (trunk_m, seconds) = end_state(robot, stand, stopped=True), crouch
     failure = UnsolvedError(f"{name}: limbs that would stay up where they are folded", {"segment": name})
     for way in _ways(robot, now, limbs, friction, trunk_m):
         try:
-            down = _moved(robot, stand, roles, way.low, f"{name}_down", options, way.pressed)
-            up = _moved(robot, down, roles, way.high, f"{name}_up", options, way.hangs)
+            down = _moved(robot, stand, roles, way.low, f"{name}_down", options, way.pressed, seconds)
+            up = _moved(robot, down, roles, way.high, f"{name}_up", options, way.hangs, seconds)
         except UnsolvedError as error:
             failure = error
             continue
@@ -94,7 +98,7 @@ class _Way:
 
 
 def _ways(
-    robot: RobotModel, now: Boundary, limbs: tuple[str, ...], friction: float, trunk_m: float = LOW_M
+    robot: RobotModel, now: Boundary, limbs: tuple[str, ...], friction: float, trunk_m: float = CROUCHES[0][0]
 ) -> list[_Way]:
     """The least shift with which limbs hang clear of a body as high as it gets comes first, else the largest."""
     aside = _outward(robot, now, limbs)
@@ -143,7 +147,7 @@ def plan_rise(
     options, top = options or MotionOptions(), backwards(start, name)
     bare = _unobstructed(robot, start.limp)
     base = end_state(robot, top, stopped=True).base
-    down = _moved(bare, top, start.roles, np.array([0.0, 0.0, height, 0.0, 0.0, 0.0]), name, options, {})
+    down = _moved(bare, top, start.roles, np.array([0.0, 0.0, height, 0.0, 0.0, 0.0]), name, options, {}, RISE_S)
     low = base - [0.0, 0.0, DIP_M, 0.0, 0.0, 0.0]
     dip = _moved(bare, top, start.roles, low, f"{name}_dip_down", options, {}, DIP_S)
     return backwards(down, name), dip, backwards(dip, f"{name}_dip_up")
@@ -195,7 +199,7 @@ def _stays_up(robot: RobotModel, name: str, joints: Array, friction: float) -> b
 
 def _moved(
     robot: RobotModel, before: MotionPlan, roles: Mapping[str, Role], base: Array, name: str, options: MotionOptions,
-    limp: Mapping[str, Array], seconds: float = SECONDS,
+    limp: Mapping[str, Array], seconds: float,
 ) -> MotionPlan:  # fmt: skip
     """From rest to rest with the body at `base` (6,), feet where they are; limp limbs go to `limp` as they do."""
     now = end_state(robot, before, stopped=True)

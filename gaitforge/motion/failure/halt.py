@@ -82,9 +82,13 @@ def plan_halt(
     except UnsolvedError:
         if not landing or not _failed(roles, "limp"):
             raise
-    unbalanced = tuple(f for f in options.constraints if not isinstance(f, Balance))
-    quick = replace(options, stand_seconds=CATCH * options.stand_seconds, constraints=unbalanced)
-    caught = _stand(robot, name, pattern, now, roles, quick, families)
+    quick = replace(options, stand_seconds=CATCH * options.stand_seconds)
+    late = quick.changed(Balance, lambda family: replace(family, since=LANDING * quick.samples_per_column))
+    try:
+        caught = _stand(robot, name, pattern, now, roles, late, families)
+    except UnsolvedError:
+        never = tuple(f for f in quick.constraints if not isinstance(f, Balance))
+        caught = _stand(robot, name, pattern, now, roles, replace(quick, constraints=never), families)
     seconds = quick.stand_seconds * LANDING / COLUMNS
     told = f"no balance for {seconds:.2f} s, until feet are put down"
     return replace(caught, unbalanced_s=seconds, relaxed=(*caught.relaxed, told))

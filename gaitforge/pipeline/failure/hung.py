@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,17 +13,22 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.failure.damage import Damage
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.search.refusals import why_refused
 from gaitforge.pipeline.search.segment import Segment
+from gaitforge.pipeline.search.tries import quick
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Failed, Role
+
+if TYPE_CHECKING:
+    from gaitforge.motion.failure.fold import Folded
 
 Array = NDArray[np.float64]
 CLEARANCE_M = 0.01
 """[m] kept between bodies once limbs hang limp: they swing, and friction holds them a little beside their place"""
 STILL_M = 1e-4
-"""[m] that splines may push feet into the ground between samples: on the steep legs of a body that stands high, feet
-that work against each other lift it off all but two, and its margin is none"""
+"""[m] that splines of gaits may push feet into the ground between samples: on the steep legs of a body that stands
+high, feet that work against each other lift it off all but two, and its margin is none"""
 FINEST = 10
 """Samples a column that refinement may use for that"""
 LIFT_M = 0.04
@@ -40,7 +46,7 @@ def hang_up(
     Limbs that are locked are not folded, and keep the body from coming down: with one of them among those that
     failed, nothing is done.
     """
-    from gaitforge.motion.failure.fold import LATER_M, LOW_M, fold_groups, plan_fold
+    from gaitforge.motion.failure.fold import CROUCHES, LATER, fold_groups
     from gaitforge.motion.failure.raised import raised
 
     limp = tuple(name for name, role in failed.items() if role.mode == "limp")
@@ -54,8 +60,7 @@ def hang_up(
         for number, group in enumerate(fold_groups(robot, stand, limp, friction)):
             called = f"{name}_fold{number + 1 if number else ''}"
             last = plans[-1] if plans else stand
-            low = LATER_M if plans else LOW_M
-            folded = plan_fold(robot, last, roles, group, friction, name=called, trunk_m=low, options=options.motion)
+            folded = _folded(robot, last, roles, group, options, called, LATER if plans else CROUCHES)
             plans += folded.plans
             postures |= folded.postures
     except UnsolvedError as error:
@@ -72,8 +77,30 @@ def hang_up(
     return higher, {**failed, **hangs}, plans[-1], True
 
 
+def _folded(
+    robot: RobotModel, stand: MotionPlan, roles: Mapping[str, Role], limbs: tuple[str, ...], options: Options,
+    name: str, crouches: Sequence[tuple[float, float]],
+) -> Folded:  # fmt: skip
+    """The first of the crouches that simulation has not refused; where it has refused them all, the first."""
+    from gaitforge.motion.failure.fold import plan_fold
+
+    friction, first = options.search.limp_friction, None
+    for crouch in crouches:
+        try:
+            folded = plan_fold(robot, stand, roles, limbs, friction, name=name, crouch=crouch, options=options.motion)
+        except UnsolvedError:
+            if first is None:
+                raise
+            continue
+        if not any(why_refused(plan, options.refused) for plan in folded.plans):
+            return folded
+        first = first or folded
+    assert first is not None
+    return first
+
+
 def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> Options:
-    """The options where limbs hang limp: more room between bodies, those lifted that touch the ground, stiller feet."""
+    """The options with more room between bodies where limbs hang limp, and those lifted that touch the ground."""
     from gaitforge.motion.constraints.off_ground import OffGround
     from gaitforge.motion.failure.hanging import spheres
     from gaitforge.motion.failure.raised import touches
@@ -81,17 +108,23 @@ def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> 
 
     hangs = {n: np.array(role.posture) for n, role in roles.items() if role.mode == "limp"}
     motion = options.motion or MotionOptions()
-    motion = replace(
-        motion,
-        clearance=max(motion.clearance, CLEARANCE_M),
-        ground_tolerance=min(motion.ground_tolerance, STILL_M),
-        finest=max(motion.finest, FINEST),
-    )
+    motion = replace(motion, clearance=max(motion.clearance, CLEARANCE_M))
     long = {n: q for n, q in hangs.items() if touches(robot, {n: q})}
     if long:
         points = tuple(point for n, q in long.items() for point in spheres(robot, robot.limb(n), q))
         motion = replace(motion, constraints=(*motion.constraints, OffGround(points, LIFT_M)))
     return replace(options, motion=motion)
+
+
+def stiller(now: Damage) -> Options:
+    """The options of gaits: over limbs that hang limp their splines are finer."""
+    from gaitforge.motion.options import MotionOptions
+
+    if not now.hung:
+        return now.options
+    motion = now.options.motion or MotionOptions()
+    tolerance, finest = min(motion.ground_tolerance, STILL_M), max(motion.finest, FINEST)
+    return replace(now.options, motion=replace(motion, ground_tolerance=tolerance, finest=finest))
 
 
 def _unlifted(options: Options) -> Options:
@@ -118,9 +151,11 @@ def rise(
     if not now.hung or not touches(now.robot, hangs):
         return now, start, []
     height, low = float(stand.base_poses[-1, 2]), _unlifted(now.options)
+    assert low.motion is not None
+    motion = quick(replace(low.motion, explain=False))
     try:
         with watch.stage("motion"):
-            plans = plan_rise(now.robot, start, height, name=f"{start.name}_rise", options=low.motion)
+            plans = plan_rise(now.robot, start, height, name=f"{start.name}_rise", options=motion)
     except UnsolvedError as error:
         watch.progress("motion", f"{start.name}: no rise after the steps ({error})")
         return now, start, []
