@@ -9,7 +9,7 @@ import pytest
 import gaitforge as gf
 from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.given import stand_pattern
-from gaitforge.motion.failure.fold import COLUMNS, Folded, backwards, plan_fold, plan_rise
+from gaitforge.motion.failure.fold import COLUMNS, Folded, backwards, plan_dip, plan_fold, plan_rise
 from gaitforge.motion.failure.hanging import gravity_torques, hanging_joints, lowest_point
 from gaitforge.motion.failure.raised import LIGHT_M, SPARE_M, hanging_height, raised, touches
 from gaitforge.motion.plan import Command, MotionPlan
@@ -154,7 +154,7 @@ def test_both_simulators_fold_the_limb_as_planned(
 
 def test_a_rise_ends_where_the_start_begins(hexapod: RobotModel) -> None:
     start = replace(standing(hexapod, ("L2",)), name="start")
-    rise, down, up = plan_rise(hexapod, start, 0.09)
+    rise, (down, up) = plan_rise(hexapod, start, 0.09), plan_dip(hexapod, start)
     assert rise.base_poses[0, 2] == pytest.approx(0.09, abs=1e-6)
     for plan in (rise, up):
         np.testing.assert_allclose(plan.joint_positions[:, -1], start.joint_positions[:, 0], atol=1e-9)

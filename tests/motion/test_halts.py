@@ -14,6 +14,7 @@ from gaitforge.motion.failure.halt import CLEAR_M, foot_points, lowest, plan_cle
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.motion.state import end_state
 from gaitforge.robot.model import RobotModel
+from gaitforge.verify.support import static_margin
 from tests.motion.motion_kit import PATIENT, instance, open_segment
 
 ON_GROUND, IN_AIR = "R1", "L3"
@@ -108,6 +109,21 @@ def test_the_stand_after_a_halt_lifts_what_has_failed_off_the_ground(
     np.testing.assert_allclose(
         clear.joint_positions[rows], halt.joint_positions[rows, -1:] + 0 * clear.times, atol=1e-6
     )
+
+
+@pytest.mark.parametrize(("columns", "limp"), [(8, ("L1", "R1")), (5, ("L3", "R3"))])
+def test_feet_put_down_in_a_hurry_land_where_the_body_can_stay(
+    hexapod: RobotModel, tripod: MotionPlan, columns: int, limp: tuple[str, ...]
+) -> None:
+    """Straight below where they are, the centre of mass would end up beside the four of them, or on their edge."""
+    until = begun(tripod, columns, "until")
+    roles = {n: gf.Failed("limp", role.posture) for n, role in failed(hexapod, until, *limp).items()}
+    halt = plan_halt(hexapod, until, roles)
+    assert halt.unbalanced_s > 0.0
+    stands = np.array([[name not in limp for name in hexapod.limb_names]])
+    assert static_margin(halt.com[-1:, :2], halt.feet[-1:, :, :2], stands)[0] > 0.01
+    start = static_margin(halt.com[:1, :2], halt.feet[:1, :, :2], stands)[0]
+    assert start < 0.01
 
 
 def test_the_off_ground_rows_are_the_heights_of_the_feet(hexapod: RobotModel) -> None:

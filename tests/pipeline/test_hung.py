@@ -10,14 +10,17 @@ from gaitforge.motion.failure.fold import fold_groups
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.failure.damage import stuck
-from gaitforge.pipeline.failure.hung import CLEARANCE_M, hang_up, spaced
+from gaitforge.pipeline.failure.hung import CLEARANCE_M, STILL_M, hang_up, spaced
 from gaitforge.pipeline.options import Options, Search
 from gaitforge.pipeline.schedule import plan_task
+from gaitforge.pipeline.search.refusals import refused
 from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Failure, Phase, Task
 from gaitforge.task.roles import Failed
+from gaitforge.verify.checks import CheckLimits
+from gaitforge.verify.checks.limits import SegmentLimits
 from gaitforge.verify.mujoco import MujocoSimulator
 from tests.motion.test_folds import standing
 
@@ -59,6 +62,31 @@ def test_a_walk_without_a_limp_limb_is_verified(hexapod: RobotModel, walk: list[
     assert [(check.segment, check.name, check.value) for check in verdict.failed] == []
     rows = hexapod.joint_indices(hexapod.limb("L2"))
     assert verdict.trace.joint_positions[-1, rows[2]] < -0.3, "still bent"
+
+
+def test_a_crouch_that_simulation_refuses_is_made_again_slower_and_less_deep(
+    hexapod: RobotModel, options: Options, walk: list[Segment]
+) -> None:
+    strict = CheckLimits(stand=SegmentLimits(slip_mm=0.0))
+    verdict = gf.verify(hexapod, [(s.plan, s.cycles) for s in walk], simulator="mujoco", limits=strict)
+    crouches = tuple(r for r in refused(verdict, walk) if r.segment == "all_fold_down")
+    assert len(crouches) == 1
+    again: list[Segment] = []
+    plan_task(hexapod, TASK, replace(options, refused=crouches), Stopwatch(), again)
+
+    def crouch(segments: list[Segment]) -> tuple[float, float]:
+        plan = next(s.plan for s in segments if s.plan.name == "all_fold_down")
+        return plan.base_poses[-1, 2], plan.duration
+
+    (low, quick), (high, slow) = crouch(walk), crouch(again)
+    assert high > low + 0.01
+    assert slow > quick
+
+
+def test_gaits_over_limp_limbs_push_their_feet_into_the_ground_less_than_others(walk: list[Segment]) -> None:
+    plans = {segment.plan.name: segment.plan for segment in walk}
+    deep = {name: plans[name].report.details["penetration_m"] for name in ("all", "without")}
+    assert deep["without"] <= STILL_M < deep["all"]
 
 
 def hang(robot: RobotModel, options: Options, modes: dict[str, str]) -> tuple[tuple[MotionPlan, bool], list[Segment]]:

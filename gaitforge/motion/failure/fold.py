@@ -49,7 +49,7 @@ COLUMNS = 8
 """Of the way down, and of the way up"""
 RISE_S = 2.0
 """[s] of a body that rises straight up"""
-DIP_M, DIP_S = 0.04, 2.0
+DIPS = ((0.04, 2.0), (0.03, 2.5), (0.02, 3.0))
 """[m] that a body sinks which settles the limbs that hang from it, and the time of the way down or up [s]"""
 
 
@@ -63,8 +63,8 @@ class Folded:
 
 
 def plan_fold(
-    robot: RobotModel, stand: MotionPlan, roles: Mapping[str, Role], limbs: tuple[str, ...], friction: float, *,
-    name: str = "fold", crouch: tuple[float, float] = CROUCHES[0], options: MotionOptions | None = None,
+    robot: RobotModel, stand: MotionPlan, roles: Mapping[str, Role], limbs: tuple[str, ...], friction: float,
+    crouch: tuple[float, float] = CROUCHES[0], *, name: str = "fold", options: MotionOptions | None = None,
 ) -> Folded:  # fmt: skip
     """Fold the limp `limbs`, of which `stand` ends in the postures that they lie in; `friction` [N m] of their joints.
 
@@ -138,19 +138,35 @@ def fold_groups(
 
 def plan_rise(
     robot: RobotModel, start: MotionPlan, height: float, *, name: str = "rise", options: MotionOptions | None = None
-) -> tuple[MotionPlan, ...]:
-    """From a low stand, its body `height` [m] above the ground, to where `start` begins, with a dip on the way.
+) -> MotionPlan:
+    """From a low stand, its body `height` [m] above the ground, to where `start` begins.
 
     Limp limbs are lifted off the ground by a body that goes straight up: one that sways on its way is carried by them
-    for a moment.  Those that still touch the ground up there fold the rest when the body dips.
+    for a moment.  Raises `UnsolvedError` when the robot has no such way.
     """
-    options, top = options or MotionOptions(), backwards(start, name)
+    low = np.array([0.0, 0.0, height, 0.0, 0.0, 0.0])
+    return backwards(_sunk(robot, start, low, name, options, RISE_S), name)
+
+
+def plan_dip(
+    robot: RobotModel, start: MotionPlan, dip: tuple[float, float] = DIPS[0], *, name: str = "dip",
+    options: MotionOptions | None = None,
+) -> tuple[MotionPlan, MotionPlan]:  # fmt: skip
+    """From where `start` begins down and up again: limbs that touch the ground up there fold the rest.
+
+    `dip`: how far [m], and the time of the way down, or up [s].  Raises `UnsolvedError` when there is no such way.
+    """
+    low = start.base_poses[0] * [0.0, 0.0, 1.0, 1.0, 1.0, 0.0] - [0.0, 0.0, dip[0], 0.0, 0.0, 0.0]
+    down = _sunk(robot, start, low, f"{name}_down", options, dip[1])
+    return down, backwards(down, f"{name}_up")
+
+
+def _sunk(
+    robot: RobotModel, start: MotionPlan, base: Array, name: str, options: MotionOptions | None, seconds: float
+) -> MotionPlan:
+    """From where `start` begins down to `base` (6,), in the frame of the base up there."""
     bare = _unobstructed(robot, start.limp)
-    base = end_state(robot, top, stopped=True).base
-    down = _moved(bare, top, start.roles, np.array([0.0, 0.0, height, 0.0, 0.0, 0.0]), name, options, {}, RISE_S)
-    low = base - [0.0, 0.0, DIP_M, 0.0, 0.0, 0.0]
-    dip = _moved(bare, top, start.roles, low, f"{name}_dip_down", options, {}, DIP_S)
-    return backwards(down, name), dip, backwards(dip, f"{name}_dip_up")
+    return _moved(bare, backwards(start, name), start.roles, base, name, options or MotionOptions(), {}, seconds)
 
 
 def _unobstructed(robot: RobotModel, limbs: tuple[str, ...]) -> RobotModel:

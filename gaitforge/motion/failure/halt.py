@@ -63,7 +63,8 @@ def plan_halt(
     Limbs that `roles` calls failed are locked.  Those whose feet are on the ground bear load until the others
     stand, because what they hold cannot be let go at once; so the body stays where it is.
     Limp ones bear nothing: where the others cannot balance without them, feet in the air are put down as fast as
-    they can be, and the plan says in `unbalanced_s` and `relaxed` for how long nothing is promised.
+    they can be, where the body can stay if they get there, and the plan says in `unbalanced_s` and `relaxed` for how
+    long nothing is promised.
     Raises `UnsolvedError` when the optimiser finds no plan.
     """
     options = options or MotionOptions()

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gaitforge.errors import UnsolvedError
+from gaitforge.footfall.settling import MOST
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.failure.damage import Damage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.search.refusals import why_refused
 from gaitforge.pipeline.search.segment import Segment
-from gaitforge.pipeline.search.tries import quick
+from gaitforge.pipeline.search.tries import quick, unexplained
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Failed, Role
 
-if TYPE_CHECKING:
-    from gaitforge.motion.failure.fold import Folded
-
 Array = NDArray[np.float64]
+T = TypeVar("T")
 CLEARANCE_M = 0.01
 """[m] kept between bodies once limbs hang limp: they swing, and friction holds them a little beside their place"""
 STILL_M = 1e-4
@@ -33,6 +33,8 @@ FINEST = 10
 """Samples a column that refinement may use for that"""
 LIFT_M = 0.04
 """[m] that limbs too long to hang clear are off the ground by their foreseen posture: friction may bend them less"""
+Way = tuple[float, float]
+"""How deep [m] and how long [s]"""
 Hung = tuple[RobotModel, dict[str, Failed], MotionPlan, bool]
 """The robot with its higher stance, failed limbs as they hang, the stand after which it walks on; whether they hang"""
 
@@ -46,7 +48,7 @@ def hang_up(
     Limbs that are locked are not folded, and keep the body from coming down: with one of them among those that
     failed, nothing is done.
     """
-    from gaitforge.motion.failure.fold import CROUCHES, LATER, fold_groups
+    from gaitforge.motion.failure.fold import CROUCHES, LATER, fold_groups, plan_fold
     from gaitforge.motion.failure.raised import raised
 
     limp = tuple(name for name, role in failed.items() if role.mode == "limp")
@@ -60,7 +62,8 @@ def hang_up(
         for number, group in enumerate(fold_groups(robot, stand, limp, friction)):
             called = f"{name}_fold{number + 1 if number else ''}"
             last = plans[-1] if plans else stand
-            folded = _folded(robot, last, roles, group, options, called, LATER if plans else CROUCHES)
+            fold = partial(plan_fold, robot, last, roles, group, friction, name=called, options=options.motion)
+            folded = _first(fold, LATER if plans else CROUCHES, lambda one: one.plans, options)
             plans += folded.plans
             postures |= folded.postures
     except UnsolvedError as error:
@@ -77,26 +80,27 @@ def hang_up(
     return higher, {**failed, **hangs}, plans[-1], True
 
 
-def _folded(
-    robot: RobotModel, stand: MotionPlan, roles: Mapping[str, Role], limbs: tuple[str, ...], options: Options,
-    name: str, crouches: Sequence[tuple[float, float]],
-) -> Folded:  # fmt: skip
-    """The first of the crouches that simulation has not refused; where it has refused them all, the first."""
-    from gaitforge.motion.failure.fold import plan_fold
+def _first(
+    plan: Callable[[Way], T], ways: Sequence[Way], plans: Callable[[T], Sequence[MotionPlan]], options: Options
+) -> T:
+    """The first of the ways that simulation has not refused; where it has refused all that have a plan, their first.
 
-    friction, first = options.search.limp_friction, None
-    for crouch in crouches:
+    Raises the `UnsolvedError` of the first where none has a plan.
+    """
+    found: list[T] = []
+    failures: list[UnsolvedError] = []
+    for way in ways:
         try:
-            folded = plan_fold(robot, stand, roles, limbs, friction, name=name, crouch=crouch, options=options.motion)
-        except UnsolvedError:
-            if first is None:
-                raise
+            one = plan(way)
+        except UnsolvedError as error:
+            failures.append(error)
             continue
-        if not any(why_refused(plan, options.refused) for plan in folded.plans):
-            return folded
-        first = first or folded
-    assert first is not None
-    return first
+        if not any(why_refused(p, options.refused) for p in plans(one)):
+            return one
+        found.append(one)
+    if not found:
+        raise failures[0]
+    return found[0]
 
 
 def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> Options:
@@ -144,22 +148,24 @@ def rise(
     The robot with a low stance, the stand that its steps lead to, and what leads from there to where `start` begins;
     nothing of it where limp limbs hang clear, or there is no plan for it.
     """
-    from gaitforge.motion.failure.fold import plan_rise
+    from gaitforge.motion.failure.fold import DIPS, plan_dip, plan_rise
     from gaitforge.motion.failure.raised import touches
 
     hangs = {n: np.array(role.posture) for n, role in now.roles.items() if role.mode == "limp"}
     if not now.hung or not touches(now.robot, hangs):
         return now, start, []
-    height, low = float(stand.base_poses[-1, 2]), _unlifted(now.options)
-    assert low.motion is not None
-    motion = quick(replace(low.motion, explain=False))
+    height, low, name = float(stand.base_poses[-1, 2]), _unlifted(now.options), f"{start.name}_rise"
+    motion = unexplained(low.motion)
+    motion = quick(motion) if len(start.pattern.locomotive) > MOST else motion
     try:
         with watch.stage("motion"):
-            plans = plan_rise(now.robot, start, height, name=f"{start.name}_rise", options=motion)
+            up = plan_rise(now.robot, start, height, name=name, options=motion)
+            dip = partial(plan_dip, now.robot, start, name=f"{name}_dip", options=motion)
+            plans = (up, *_first(dip, DIPS, tuple, now.options))
     except UnsolvedError as error:
         watch.progress("motion", f"{start.name}: no rise after the steps ({error})")
         return now, start, []
-    posture = plans[0].joint_positions[:, 0].copy()
+    posture = up.joint_positions[:, 0].copy()
     nominal = replace(now.robot.nominal, posture=posture, body_height=height)
     lower = replace(now, robot=replace(now.robot, nominal=nominal), options=low)
-    return lower, plans[0], [Segment(plan) for plan in plans]
+    return lower, up, [Segment(plan) for plan in plans]
