@@ -29,19 +29,22 @@ class Refusal:
 def refused(verdict: Verdict, segments: Sequence[Segment], earlier: Sequence[Refusal] = ()) -> tuple[Refusal, ...]:
     """The segments whose checks failed; after a fall no later ones.  A gait that comes twice is refused everywhere.
 
-    With a stand that was refused `earlier` as well the gait is refused that it begins or ends.
+    With a stand that was refused `earlier` as well the gait is refused that it begins or ends, or else the steps that
+    led to it.
     """
     names, before = [s.plan.name for s in segments], {r.segment for r in earlier}
     blame: dict[int, list[Check]] = {}
     for check in sorted(verdict.failed, key=lambda c: names.index(c.segment)):
         index = names.index(check.segment)
         blame.setdefault(index, []).append(check)
-        if check.segment in before and (gait := _beside(segments, index)) is not None:
-            blame.setdefault(gait, []).append(check)
+        if check.segment in before and (other := _beside(segments, index)) is not None:
+            blame.setdefault(other, []).append(check)
         if check.name == "fallen":
             break
-    told = {_identity_of(segments[i].plan): _words(checks) for i, checks in blame.items()}
-    return tuple(Refusal(s.plan.name, who, told[who]) for s in segments if (who := _identity_of(s.plan)) in told)
+    told = {_same(segments[i].plan): _words(checks) for i, checks in blame.items()}
+    return tuple(
+        Refusal(s.plan.name, _identity_of(s.plan), told[_same(s.plan)]) for s in segments if _same(s.plan) in told
+    )
 
 
 def allowed(tries: Sequence[Try], refusals: Sequence[Refusal]) -> tuple[list[Try], list[Attempt]]:
@@ -58,12 +61,20 @@ def why_refused(plan: MotionPlan, refusals: Sequence[Refusal]) -> str | None:
 
 
 def _beside(segments: Sequence[Segment], index: int) -> int | None:
-    """Of a stand: the gait that follows, or that comes before."""
-    if segments[index].plan.kind == "stand":
-        for other in (index + 1, index - 1):
-            if 0 <= other < len(segments) and segments[other].plan.kind == "gait":
-                return other
-    return None
+    """Of a stand: the gait that follows, or that comes before; or the steps from another stand that led to it."""
+    kinds = [s.plan.kind for s in segments]
+    if kinds[index] != "stand":
+        return None
+    for other in (index + 1, index - 1):
+        if 0 <= other < len(segments) and kinds[other] == "gait":
+            return other
+    before = max((i for i in range(index) if kinds[i] != "stand"), default=0)
+    return before if before and kinds[before - 1] == "stand" else None
+
+
+def _same(plan: MotionPlan) -> tuple[str, Identity]:
+    """What two segments share that are refused together: gaits whatever their names."""
+    return "" if plan.kind == "gait" else plan.name, _identity_of(plan)
 
 
 def _words(checks: Sequence[Check]) -> str:
