@@ -22,6 +22,7 @@ from gaitforge.task.roles import Failed
 from gaitforge.verify.checks import CheckLimits
 from gaitforge.verify.checks.limits import SegmentLimits
 from gaitforge.verify.mujoco import MujocoSimulator
+from gaitforge.verify.verdict import Verdict
 from tests.motion.test_folds import standing
 
 TASK = Task(
@@ -64,13 +65,34 @@ def test_a_walk_without_a_limp_limb_is_verified(hexapod: RobotModel, walk: list[
     assert verdict.trace.joint_positions[-1, rows[2]] < -0.3, "still bent"
 
 
-def test_a_crouch_that_simulation_refuses_is_made_again_slower_and_less_deep(
-    hexapod: RobotModel, options: Options, walk: list[Segment]
-) -> None:
+@pytest.fixture(scope="module")
+def crouched(hexapod: RobotModel, walk: list[Segment]) -> Verdict:
+    """The way down has failed, and nothing else."""
     strict = CheckLimits(stand=SegmentLimits(slip_mm=0.0))
     verdict = gf.verify(hexapod, [(s.plan, s.cycles) for s in walk], simulator="mujoco", limits=strict)
-    crouches = tuple(r for r in refused(verdict, walk) if r.segment == "all_fold_down")
-    assert len(crouches) == 1
+    return replace(verdict, checks=tuple(c for c in verdict.checks if c.segment == "all_fold_down"))
+
+
+def test_a_way_down_that_fails_is_refused_without_the_way_up(walk: list[Segment], crouched: Verdict) -> None:
+    assert [r.segment for r in refused(crouched, walk)] == ["all_fold_down"]
+
+
+def test_with_a_stand_that_is_refused_again_the_steps_that_led_to_it_are_refused(
+    walk: list[Segment], crouched: Verdict
+) -> None:
+    plans = {segment.plan.name: segment for segment in walk}
+    steps, down, up = (plans[f"all_fold_{name}"] for name in ("up_to_without_start", "down", "up"))
+    once = refused(crouched, walk)
+    assert [r.segment for r in refused(crouched, (plans["all_halt"], steps, up, down), once)] == [
+        "all_fold_up_to_without_start", "all_fold_down",
+    ]  # fmt: skip
+    assert refused(crouched, (plans["all_halt"], up, down), once) == once
+
+
+def test_a_crouch_that_simulation_refuses_is_made_again_slower_and_less_deep(
+    hexapod: RobotModel, options: Options, walk: list[Segment], crouched: Verdict
+) -> None:
+    crouches = refused(crouched, walk)
     again: list[Segment] = []
     plan_task(hexapod, TASK, replace(options, refused=crouches), Stopwatch(), again)
 
