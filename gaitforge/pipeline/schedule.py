@@ -12,7 +12,7 @@ from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.trajectory import planar_motion
 from gaitforge.pipeline.failure.damage import Damage
 from gaitforge.pipeline.failure.event import at_speed, plan_failure, refuse_hopeless, stretches
-from gaitforge.pipeline.failure.hung import stiller
+from gaitforge.pipeline.failure.over_limp import stiller
 from gaitforge.pipeline.failure.restart import plan_restart
 from gaitforge.pipeline.handling import blocks, carriage
 from gaitforge.pipeline.options import Options

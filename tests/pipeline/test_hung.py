@@ -10,7 +10,8 @@ from gaitforge.motion.failure.fold import fold_groups
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.failure.damage import stuck
-from gaitforge.pipeline.failure.hung import CLEARANCE_M, STILL_M, hang_up, spaced
+from gaitforge.pipeline.failure.hung import hang_up
+from gaitforge.pipeline.failure.over_limp import CLEARANCE_M, STILL_M, spaced
 from gaitforge.pipeline.options import Options, Search
 from gaitforge.pipeline.schedule import plan_task
 from gaitforge.pipeline.search.refusals import refused

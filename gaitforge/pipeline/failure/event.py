@@ -12,7 +12,8 @@ import numpy as np
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.failure.damage import Damage, kept_clear, stuck
-from gaitforge.pipeline.failure.hung import hang_up, spaced
+from gaitforge.pipeline.failure.hung import hang_up
+from gaitforge.pipeline.failure.over_limp import spaced
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.search.gaits import nonlocomotive
 from gaitforge.pipeline.search.refusals import why_refused

@@ -14,6 +14,7 @@ from gaitforge.errors import UnsolvedError
 from gaitforge.footfall.settling import MOST
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.failure.damage import Damage
+from gaitforge.pipeline.failure.over_limp import unlifted
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.search.refusals import why_refused
 from gaitforge.pipeline.search.segment import Segment
@@ -24,15 +25,6 @@ from gaitforge.task.roles import Failed, Role
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
-CLEARANCE_M = 0.01
-"""[m] kept between bodies once limbs hang limp: they swing, and friction holds them a little beside their place"""
-STILL_M = 1e-4
-"""[m] that splines of gaits may push feet into the ground between samples: on the steep legs of a body that stands
-high, feet that work against each other lift it off all but two, and its margin is none"""
-FINEST = 10
-"""Samples a column that refinement may use for that"""
-LIFT_M = 0.04
-"""[m] that limbs too long to hang clear are off the ground by their foreseen posture: friction may bend them less"""
 Way = tuple[float, float]
 """How deep [m] and how long [s]"""
 Hung = tuple[RobotModel, dict[str, Failed], MotionPlan, bool]
@@ -80,6 +72,37 @@ def hang_up(
     return higher, {**failed, **hangs}, plans[-1], True
 
 
+def rise(
+    now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
+) -> tuple[Damage, MotionPlan, list[Segment]]:
+    """Where limp limbs touch the ground for long: steps are taken low, and the body rises after them, straight up.
+
+    The robot with a low stance, the stand that its steps lead to, and what leads from there to where `start` begins;
+    nothing of it where limp limbs hang clear, or there is no plan for it.
+    """
+    from gaitforge.motion.failure.fold import DIPS, plan_dip, plan_rise
+    from gaitforge.motion.failure.raised import touches
+
+    hangs = {n: np.array(role.posture) for n, role in now.roles.items() if role.mode == "limp"}
+    if not now.hung or not touches(now.robot, hangs):
+        return now, start, []
+    height, low, name = float(stand.base_poses[-1, 2]), unlifted(now.options), f"{start.name}_rise"
+    motion = unexplained(low.motion)
+    motion = quick(motion) if len(start.pattern.locomotive) > MOST else motion
+    try:
+        with watch.stage("motion"):
+            up = plan_rise(now.robot, start, height, name=name, options=motion)
+            dip = partial(plan_dip, now.robot, start, name=f"{name}_dip", options=motion)
+            plans = (up, *_first(dip, DIPS, tuple, now.options))
+    except UnsolvedError as error:
+        watch.progress("motion", f"{start.name}: no rise after the steps ({error})")
+        return now, start, []
+    posture = up.joint_positions[:, 0].copy()
+    nominal = replace(now.robot.nominal, posture=posture, body_height=height)
+    lower = replace(now, robot=replace(now.robot, nominal=nominal), options=low)
+    return lower, up, [Segment(plan) for plan in plans]
+
+
 def _first(
     plan: Callable[[Way], T], ways: Sequence[Way], plans: Callable[[T], Sequence[MotionPlan]], options: Options
 ) -> T:
@@ -101,71 +124,3 @@ def _first(
     if not found:
         raise failures[0]
     return found[0]
-
-
-def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> Options:
-    """The options with more room between bodies where limbs hang limp, and those lifted that touch the ground."""
-    from gaitforge.motion.constraints.off_ground import OffGround
-    from gaitforge.motion.failure.hanging import spheres
-    from gaitforge.motion.failure.raised import touches
-    from gaitforge.motion.options import MotionOptions
-
-    hangs = {n: np.array(role.posture) for n, role in roles.items() if role.mode == "limp"}
-    motion = options.motion or MotionOptions()
-    motion = replace(motion, clearance=max(motion.clearance, CLEARANCE_M))
-    long = {n: q for n, q in hangs.items() if touches(robot, {n: q})}
-    if long:
-        points = tuple(point for n, q in long.items() for point in spheres(robot, robot.limb(n), q))
-        motion = replace(motion, constraints=(*motion.constraints, OffGround(points, LIFT_M)))
-    return replace(options, motion=motion)
-
-
-def stiller(now: Damage) -> Options:
-    """The options of gaits: over limbs that hang limp their splines are finer."""
-    from gaitforge.motion.options import MotionOptions
-
-    if not now.hung:
-        return now.options
-    motion = now.options.motion or MotionOptions()
-    tolerance, finest = min(motion.ground_tolerance, STILL_M), max(motion.finest, FINEST)
-    return replace(now.options, motion=replace(motion, ground_tolerance=tolerance, finest=finest))
-
-
-def _unlifted(options: Options) -> Options:
-    """The options of segments in which the body is down."""
-    from gaitforge.motion.constraints.off_ground import OffGround
-
-    assert options.motion is not None
-    families = tuple(f for f in options.motion.constraints if not (isinstance(f, OffGround) and f.height == LIFT_M))
-    return replace(options, motion=replace(options.motion, constraints=families))
-
-
-def rise(
-    now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
-) -> tuple[Damage, MotionPlan, list[Segment]]:
-    """Where limp limbs touch the ground for long: steps are taken low, and the body rises after them, straight up.
-
-    The robot with a low stance, the stand that its steps lead to, and what leads from there to where `start` begins;
-    nothing of it where limp limbs hang clear, or there is no plan for it.
-    """
-    from gaitforge.motion.failure.fold import DIPS, plan_dip, plan_rise
-    from gaitforge.motion.failure.raised import touches
-
-    hangs = {n: np.array(role.posture) for n, role in now.roles.items() if role.mode == "limp"}
-    if not now.hung or not touches(now.robot, hangs):
-        return now, start, []
-    height, low, name = float(stand.base_poses[-1, 2]), _unlifted(now.options), f"{start.name}_rise"
-    motion = unexplained(low.motion)
-    motion = quick(motion) if len(start.pattern.locomotive) > MOST else motion
-    try:
-        with watch.stage("motion"):
-            up = plan_rise(now.robot, start, height, name=name, options=motion)
-            dip = partial(plan_dip, now.robot, start, name=f"{name}_dip", options=motion)
-            plans = (up, *_first(dip, DIPS, tuple, now.options))
-    except UnsolvedError as error:
-        watch.progress("motion", f"{start.name}: no rise after the steps ({error})")
-        return now, start, []
-    posture = up.joint_positions[:, 0].copy()
-    nominal = replace(now.robot.nominal, posture=posture, body_height=height)
-    lower = replace(now, robot=replace(now.robot, nominal=nominal), options=low)
-    return lower, up, [Segment(plan) for plan in plans]
