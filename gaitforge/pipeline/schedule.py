@@ -12,7 +12,6 @@ from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.trajectory import planar_motion
 from gaitforge.pipeline.failure.damage import Damage
 from gaitforge.pipeline.failure.event import at_speed, plan_failure, refuse_hopeless, stretches
-from gaitforge.pipeline.failure.over_limp import stiller
 from gaitforge.pipeline.failure.restart import plan_restart
 from gaitforge.pipeline.handling import blocks, carriage
 from gaitforge.pipeline.options import Options
@@ -137,7 +136,7 @@ def _plan_gaits(
                 _middle(robot, task.phases, index),
                 done[-1].plan.pattern if done[before:] else now.pattern,
             )
-            done.append(plan_phase(robot, phase, task.scene, stiller(now), watch, there, original, workers))
+            done.append(plan_phase(robot, phase, task.scene, now.options, watch, there, original, workers))
         else:
             done.append(Segment(replace(again, name=phase.name), phase.cycles))
         known.append((phase, done[-1].plan))

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from gaitforge.pipeline.failure.damage import Damage
 from gaitforge.pipeline.options import Options
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.roles import Failed
@@ -15,7 +14,7 @@ from gaitforge.task.roles import Failed
 CLEARANCE_M = 0.01
 """[m] kept between bodies once limbs hang limp: they swing, and friction holds them a little beside their place"""
 STILL_M = 1e-4
-"""[m] that splines of gaits may push feet into the ground between samples: on the steep legs of a body that stands
+"""[m] that splines may push feet into the ground between samples: on the steep legs of a body that stands
 high, feet that work against each other lift it off all but two, and its margin is none"""
 FINEST = 10
 """Samples a column that refinement may use for that"""
@@ -24,7 +23,7 @@ LIFT_M = 0.04
 
 
 def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> Options:
-    """The options with more room between bodies where limbs hang limp, and those lifted that touch the ground."""
+    """The options where limbs hang limp: more room between bodies, those lifted that touch the ground, stiller feet."""
     from gaitforge.motion.constraints.off_ground import OffGround
     from gaitforge.motion.failure.hanging import spheres
     from gaitforge.motion.failure.raised import touches
@@ -32,23 +31,17 @@ def spaced(robot: RobotModel, options: Options, roles: Mapping[str, Failed]) -> 
 
     hangs = {n: np.array(role.posture) for n, role in roles.items() if role.mode == "limp"}
     motion = options.motion or MotionOptions()
-    motion = replace(motion, clearance=max(motion.clearance, CLEARANCE_M))
+    motion = replace(
+        motion,
+        clearance=max(motion.clearance, CLEARANCE_M),
+        ground_tolerance=min(motion.ground_tolerance, STILL_M),
+        finest=max(motion.finest, FINEST),
+    )
     long = {n: q for n, q in hangs.items() if touches(robot, {n: q})}
     if long:
         points = tuple(point for n, q in long.items() for point in spheres(robot, robot.limb(n), q))
         motion = replace(motion, constraints=(*motion.constraints, OffGround(points, LIFT_M)))
     return replace(options, motion=motion)
-
-
-def stiller(now: Damage) -> Options:
-    """The options of gaits: over limbs that hang limp their splines are finer."""
-    from gaitforge.motion.options import MotionOptions
-
-    if not now.hung:
-        return now.options
-    motion = now.options.motion or MotionOptions()
-    tolerance, finest = min(motion.ground_tolerance, STILL_M), max(motion.finest, FINEST)
-    return replace(now.options, motion=replace(motion, ground_tolerance=tolerance, finest=finest))
 
 
 def unlifted(options: Options) -> Options:
