@@ -28,7 +28,7 @@ from tests.motion.test_folds import standing
 
 TASK = Task(
     "limb_failure",
-    (Phase("all", cycles=1, failure=Failure(("L2",), "limp", 0.5)), Phase("without", cycles=3)),
+    (Phase("all", cycles=1, failure=Failure(("L2",), "limp", 0.25)), Phase("without", cycles=3)),
 )
 
 
