@@ -19,6 +19,8 @@ from gaitforge.robot.model import RobotModel
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Index = NDArray[np.intp]
+WeightSet = tuple[int, tuple[int, ...], Index]
+"""Sample, limbs in stance, (n,) variables of their CoP weights"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,8 +239,8 @@ class Trajectory:
     """limb → (K, n)"""
     feet: dict[int, Index]
     """limb → (K, 3) centre of the foot sphere"""
-    weights: tuple[tuple[int, tuple[int, ...], Index], ...]
-    """(sample, limbs in stance, (n,) CoP weights), one or two per sample"""
+    weights: tuple[WeightSet, ...]
+    """One or two per sample"""
     parameters: dict[int, Array] = field(default_factory=dict)
     """limb → kinematic parameters"""
     base_mass: float = 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from gaitforge.motion.family import Family, carried, carried_back
 from gaitforge.motion.problem import Problem, kernel
-from gaitforge.motion.trajectory import Trajectory
+from gaitforge.motion.trajectory import Trajectory, WeightSet
 from gaitforge.robot.gravity import GRAVITY
 
 
@@ -27,13 +28,10 @@ class Balance(Family):
     unit: ClassVar[str] = "m"
     enforced: ClassVar[str] = "at samples, for the feet of the interval before and of the one after"
 
-    since: int | None = None
-    """Only after this sample; None: at all of them"""
-
     def add_to(self, problem: Problem, trajectory: Trajectory) -> None:
         """Three rows a sample and contact set: x and y of the CoP, and the sum of the weights."""
         grid = trajectory.grid
-        sets = [one for one in trajectory.weights if self.since is None or one[0] > self.since]
+        sets = self._sets(trajectory)
         names = trajectory.robot.limb_names
         labels = [("+".join(names[i] for i in feet), k) for k, feet, _ in sets]
         rows = problem.add_rows(self.name, 0.0, 0.0, (len(sets), 3), self.unit, labels)
@@ -48,6 +46,10 @@ class Balance(Family):
         weights = np.concatenate([index for _, _, index in sets])
         places = np.column_stack([weights, trajectory.foot_places[limbs, at[one], :2]])
         problem.add_term(self.name, kernel("weight", 3, 0, _weight_instant), places, np.zeros(0), rows[one])
+
+    def _sets(self, trajectory: Trajectory) -> Sequence[WeightSet]:
+        """The samples and contact sets that are balanced."""
+        return trajectory.weights
 
     @staticmethod
     def _parameters(trajectory: Trajectory) -> np.ndarray:

@@ -15,6 +15,7 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.constraints.balance import Balance
 from gaitforge.motion.constraints.locked import Locked
 from gaitforge.motion.constraints.off_ground import OffGround, Point
+from gaitforge.motion.failure.late import LateBalance
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import Command, MotionPlan
 from gaitforge.motion.segment import Segment
@@ -84,7 +85,7 @@ def plan_halt(
         if not landing or not _failed(roles, "limp"):
             raise
     quick = replace(options, stand_seconds=CATCH * options.stand_seconds)
-    late = quick.changed(Balance, lambda family: replace(family, since=LANDING * quick.samples_per_column))
+    late = quick.changed(Balance, lambda family: LateBalance(since=LANDING * quick.samples_per_column))
     try:
         caught = _stand(robot, name, pattern, now, roles, late, families)
     except UnsolvedError:
