@@ -62,6 +62,11 @@ DEMONSTRATIONS = {
     "limb_failure": Demonstration(
         ("robot=dodecapod", "task=limb_failure", "task.limbs=[L3,L6,R1,R4]"), (("limb_failure", "without"),)
     ),
+    "limp_limbs": Demonstration(
+        ("robot=hexapod", "task=limb_failure", "task.limbs=[L3,R3]", "task.mode=limp"),
+        (("limp_limbs", "without"),),
+        View(distance=1.5, ahead=0.1),
+    ),
     "table1": _side_by_side("table1", "hexapod.six_to_four"),
     "quadruped": _side_by_side("quadruped", "quadruped.sides_to_wave"),
 }
