@@ -109,7 +109,7 @@ def test_a_gait_that_no_motors_hold_is_taken_only_when_all_are_like_that(
 
     monkeypatch.setattr("gaitforge.motion.gait.plan_gait", heavy)
     monkeypatch.setattr("gaitforge.motion.strain.least_strain", strain)
-    monkeypatch.setattr("gaitforge.pipeline.search.gaits.spared", lambda one, result: result)  # no plan asks for less
+    monkeypatch.setattr("gaitforge.pipeline.search.batch.spared", lambda one, result: result)  # no plan asks for less
     options = replace(OPTIONS, search=Search(gait_batch=1))
     phase = Phase("walk", gait="program")
     segment = plan_phase(load_robot("dodecapod"), phase, Scene(), options, Stopwatch())
@@ -152,9 +152,7 @@ def test_a_transition_that_tips_or_is_too_heavy_is_taken_only_when_a_few_more_ar
         )
 
     monkeypatch.setattr("gaitforge.motion.transition.plan_transition", tipping)
-    monkeypatch.setattr(
-        "gaitforge.pipeline.search.transitions.spared", lambda one, result: result
-    )  # no plan asks for less
+    monkeypatch.setattr("gaitforge.pipeline.search.batch.spared", lambda one, result: result)  # no plan asks for less
     monkeypatch.setattr(
         "gaitforge.motion.failure.still.static_margin", lambda robot, plan: found[len(asked) - 1][0] + least
     )

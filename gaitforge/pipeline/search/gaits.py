@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Literal, cast
 from gaitforge.errors import InfeasibleFootfall, InfeasibleMotion, UnsolvedError
 from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.search.batch import run_batch
 from gaitforge.pipeline.search.certificate import refuse_impossible_speed
-from gaitforge.pipeline.search.refusals import allowed
 from gaitforge.pipeline.search.segment import Attempt, Segment, exhausted
-from gaitforge.pipeline.search.sparing import spared
-from gaitforge.pipeline.search.tries import Result, Try, Workers, cheapest, unexplained, why
+from gaitforge.pipeline.search.tries import Result, Try, Workers, unexplained, why
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 from gaitforge.task.phase import Phase
@@ -67,22 +66,12 @@ def plan_phase(
         if not patterns:
             continue
         asked = [_try(robot, phase, pattern, roles, options, expected_base) for pattern in patterns]
-        tries, barred = allowed(asked, options.refused)
-        attempts += barred
-        if not tries:
+        done = run_batch(asked, phase.name, options, watch, workers)
+        attempts += done.left
+        refusals += [r.error for r in done.results if isinstance(r.error, InfeasibleMotion)]
+        first = first or next(iter(done.tries), None)
+        if (taken := done.taken) is None:
             continue
-        first = first or tries[0]
-        with watch.stage("motion"):
-            results = workers.run(tries)
-        plan, left = cheapest(results)
-        attempts += left
-        refusals += [r.error for r in results if isinstance(r.error, InfeasibleMotion)]
-        for one in left:
-            watch.progress("motion", f"{phase.name}: {one.what}: left ({one.why})")
-        if plan is None:
-            continue
-        with watch.stage("motion"):
-            taken = next(spared(t, r) for t, r in zip(tries, results, strict=True) if r.plan is plan)
         assert taken.plan is not None
         strain = strain_of(robot, taken.plan)
         if strain <= 1.0:

@@ -12,10 +12,9 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.search.refusals import allowed
+from gaitforge.pipeline.search.batch import run_batch
 from gaitforge.pipeline.search.segment import Attempt, Segment, exhausted
-from gaitforge.pipeline.search.sparing import spared
-from gaitforge.pipeline.search.tries import Try, Workers, cheapest, unexplained, why
+from gaitforge.pipeline.search.tries import Try, Workers, unexplained, why
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
 
@@ -51,24 +50,16 @@ def plan_change(
     first: Try | None = None
     looks = 0
     while looks <= SECOND_LOOKS and (batch := list(islice(tries, options.search.transition_batch))):
-        batch, barred = allowed(batch, options.refused)
-        attempts += barred
-        if not batch:
+        done = run_batch(batch, name, options, watch, workers)
+        attempts += done.left
+        if not done.tries:
             continue
-        first = first or batch[0]
-        with watch.stage("motion"):
-            results = workers.run(batch)
-        plan, left = cheapest(results)
-        attempts += left
-        for one in left:
-            watch.progress("motion", f"{name}: {one.what}: left ({one.why})")
-        if plan is not None:
-            with watch.stage("motion"):
-                taken = next(spared(t, r) for t, r in zip(batch, results, strict=True) if r.plan is plan)
+        first = first or done.tries[0]
+        if (taken := done.taken) is not None:
             assert taken.plan is not None
             found.append(_Found.of(robot, taken.what, taken.plan, taken.seconds, options.motion or MotionOptions()))
-        if plan is not None and found[-1].sound:
-            break
+            if found[-1].sound:
+                break
         looks += bool(found)
     if found:
         return _soundest(name, found, attempts, watch)
