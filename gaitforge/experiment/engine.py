@@ -14,7 +14,7 @@ from gaitforge.experiment.experiment import Experiment, Job, Row, Tools
 from gaitforge.experiment.processes import Processes
 from gaitforge.experiment.results import Outcome, write_results
 from gaitforge.experiment.store import RowStore
-from gaitforge.pipeline.manifest import config_hash
+from gaitforge.pipeline.manifest import code_hash, config_hash, versions
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.stopwatch import Progress, silent
 
@@ -48,9 +48,11 @@ def run_experiment(run: ExperimentRun, progress: Progress = silent) -> Outcome:
     run.folder.mkdir(parents=True, exist_ok=True)
     store = RowStore(run.folder / "rows", fingerprint(run.config, experiment))
     rows: dict[str, list[Row]] = {job.key: found for job in jobs if (found := store.finished(job.key)) is not None}
+    pending = [job for job in jobs if job.key not in rows]
     if rows:
         progress("verify", f"{len(rows)} of {len(jobs)} jobs were measured before")
-    pending = [job for job in jobs if job.key not in rows]
+    if stale := sum(store.has(job.key) for job in pending):
+        progress("verify", f"{stale} are measured again: by other code, libraries or config, or without a result")
     with Processes(min(experiment.workers, max(len(pending), 1))) as work:
         for job, measured in _measured(run, pending, work, progress):
             rows[job.key] = measured
@@ -62,12 +64,10 @@ def run_experiment(run: ExperimentRun, progress: Progress = silent) -> Outcome:
 
 
 def fingerprint(config: Mapping[str, Any], experiment: Experiment) -> str:
-    """A hash of everything that rows depend on: config, robots, version."""
-    from gaitforge import __version__
-
+    """A hash of everything that rows depend on: config, robots, gaitforge's code and the libraries' versions."""
     kept = {k: v for k, v in config.items() if k not in ("record", "robot", "task", "verify")}
     kept["experiment"] = {k: v for k, v in dict(kept.get("experiment") or {}).items() if k not in RUNTIME}
-    return config_hash({**kept, "made_of": dict(experiment.made_of()), "version": __version__})
+    return config_hash({**kept, "made_of": dict(experiment.made_of()), "code": code_hash(), "with": versions()})
 
 
 def _measured(

@@ -18,6 +18,9 @@ from gaitforge.experiment.loss import LossJob
 from gaitforge.report.results_page import Column
 from gaitforge.task.roles import MODES, Mode
 
+ALL = "all"
+"""Instead of a number of subsets."""
+
 COLUMNS = (
     Column("robot", "robot"), Column("limbs", "lost"), Column("mode", "mode"), Column("at", "at", 1.0, 2),
     Column("simulator", "simulator"), Column("status", "status"), Column("plans", "plans"),
@@ -33,8 +36,8 @@ COLUMNS = (
 class Failures(Experiment):
     """Subsets of the limbs of each robot, by how many are lost; all of them or a seeded sample."""
 
-    robots: Mapping[str, Mapping[int, int | None]]
-    """Robot → number of limbs lost → how many such subsets (None: all of them)."""
+    robots: Mapping[str, Sequence[int | str]]
+    """Robot → how many subsets of one limb, of two, …: a number, or ``"all"``."""
     modes: tuple[Mode, ...] = ("locked",)
     cycles: tuple[int, int] = (1, 4)
     """Of the gaits before and after."""
@@ -57,16 +60,18 @@ class Failures(Experiment):
             for mode in self.modes
         ])  # fmt: skip
 
-    def _subsets(self, robot: str, counts: Mapping[int, int | None]) -> Iterator[tuple[str, ...]]:
+    def _subsets(self, robot: str, counts: Sequence[int | str]) -> Iterator[tuple[str, ...]]:
         names = robot_called(robot).limb_names
-        for lost, most in sorted((int(k), v) for k, v in counts.items()):
-            key = f"robots.{robot}.{lost}"
-            if not 1 <= lost <= len(names) or (most is not None and most < 1):
-                expected = f"a number of limbs, 1…{len(names)}: how many subsets, or null for all"
-                raise InputError(Problem("experiment", key, repr(most), expected))
+        if isinstance(counts, str) or not isinstance(counts, Sequence) or len(counts) > len(names):
+            expected = f"a list: how many subsets of one limb, of two, … at most {len(names)}; a number or all"
+            raise InputError(Problem("experiment", f"robots.{robot}", repr(counts), expected))
+        for lost, most in enumerate(counts, 1):
             total = math.comb(len(names), lost)
-            drawn = np.random.default_rng([self.seed, lost]).permutation(total)[:most]
-            chosen = set(drawn.tolist())
+            if most != ALL and (isinstance(most, bool) or not isinstance(most, int) or most < 0):
+                expected = f"how many of the {total} subsets of {lost} limbs: 0, 1, …, or all"
+                raise InputError(Problem("experiment", f"robots.{robot}.{lost - 1}", repr(most), expected))
+            drawn = np.random.default_rng([self.seed, lost]).permutation(total)
+            chosen = set(drawn[: total if most == ALL else int(most)].tolist())
             yield from (limbs for i, limbs in enumerate(combinations(names, lost)) if i in chosen)
 
     def told(self, row: Row) -> str:

@@ -30,6 +30,10 @@ class RowStore:
             return None
         return list(found["rows"])
 
+    def has(self, key: str) -> bool:
+        """Whether there are rows of a job at all, be they finished or not."""
+        return self._file(key).exists()
+
     def write(self, key: str, rows: Sequence[Row]) -> None:
         """Keep the rows of a job; InputError when the folder cannot be written."""
         self.folder.mkdir(parents=True, exist_ok=True)

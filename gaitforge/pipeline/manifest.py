@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -21,13 +22,14 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def manifest(config: Mapping[str, Any], urdf: str, seed: int) -> dict[str, Any]:
-    """Versions, seed, hashes of config and robot, git commit if there is one, platform and thread counts."""
+    """Versions, seed, hashes of code, config and robot, git commit if there is one, platform and thread counts."""
     from gaitforge import __version__
 
     return {
         "schema": 1,
         "gaitforge": __version__,
         "git_commit": git_commit(Path(__file__).parent),
+        "code_sha256": code_hash(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "seed": seed,
         "config_sha256": config_hash(config),
@@ -46,6 +48,16 @@ def config_hash(config: Mapping[str, Any]) -> str:
     if isinstance(kept.get("robot"), Mapping):
         kept["robot"] = {k: v for k, v in kept["robot"].items() if k != "file"}
     return hashlib.sha256(json.dumps(kept, sort_keys=True, default=str).encode()).hexdigest()
+
+
+@cache
+def code_hash(package: Path = Path(__file__).parents[1]) -> str:
+    """SHA-256 of the names and contents of all sources in a package's folder: gaitforge's own, installed or not."""
+    digest = hashlib.sha256()
+    for file in sorted(f for f in package.rglob("*") if f.suffix in (".py", ".c")):
+        digest.update(f"{file.relative_to(package).as_posix()}\0".encode())
+        digest.update(hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()
 
 
 def git_commit(folder: Path) -> str | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from gaitforge.errors import InputError
+from gaitforge.experiment import engine
 from gaitforge.experiment.engine import run_experiment
 from tests.experiment.cheap import cheap_run, marks
 
@@ -70,6 +71,20 @@ def test_rows_of_another_config_or_another_robot_are_measured_again(tmp_path: Pa
     run_experiment(replace(run, config={**run.config, "seed": 1}))
     run_experiment(cheap_run(tmp_path, {"a": 1.0}, version="heavier"))
     assert marks(tmp_path) == ["a", "a", "a"]
+
+
+@pytest.mark.parametrize("what", ["code_hash", "versions"])
+def test_rows_of_other_code_or_libraries_are_measured_again_and_it_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    run, told = cheap_run(tmp_path, {"a": 1.0}), list[str]()
+    run_experiment(run)
+    monkeypatch.setattr(engine, what, lambda: "another")
+    run_experiment(run, lambda _, text: told.append(text))
+    run_experiment(run, lambda _, text: told.append(text))
+    assert marks(tmp_path) == ["a", "a"]
+    assert told[0] == "1 are measured again: by other code, libraries or config, or without a result"
+    assert told[2] == "1 of 1 jobs were measured before"
 
 
 def test_half_a_file_is_no_row(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ OPTIONS = Options(simulator=None, recorder=None)  # type: ignore[arg-type]  # wh
 
 
 def failures(**more: Any) -> Failures:
-    return Failures(**{"title": "t", "simulators": {"none": None}, "robots": {"hexapod": {2: None}}, **more})
+    return Failures(**{"title": "t", "simulators": {"none": None}, "robots": {"hexapod": [0, "all"]}, **more})
 
 
 def lost(experiment: Failures) -> list[tuple[str, ...]]:
@@ -28,13 +28,13 @@ def lost(experiment: Failures) -> list[tuple[str, ...]]:
 
 def test_all_subsets_are_all_combinations() -> None:
     names = robot_called("hexapod").limb_names
-    every = failures(robots={"hexapod": {1: None, 2: None, 3: None}})
+    every = failures(robots={"hexapod": ["all"] * 3})
     assert lost(every) == [c for k in (1, 2, 3) for c in combinations(names, k)]
-    assert len(lost(failures(robots={"dodecapod": {1: None, 2: None, 3: None, 4: None}}))) == 793
+    assert len(lost(failures(robots={"dodecapod": ["all"] * 4}))) == 793
 
 
 def test_a_sample_is_some_of_them_drawn_from_the_seed() -> None:
-    robots = {"dodecapod": {3: 7}}
+    robots = {"dodecapod": [0, 0, 7]}
     one, again, other = (lost(failures(robots=robots, seed=seed)) for seed in (1, 1, 2))
     assert len(set(one)) == 7
     assert one == again
@@ -43,16 +43,21 @@ def test_a_sample_is_some_of_them_drawn_from_the_seed() -> None:
 
 
 def test_every_mode_of_a_subset_is_a_job_of_its_own() -> None:
-    jobs = failures(modes=("locked", "limp"), robots={"hexapod": {1: 1}}).jobs()
+    jobs = failures(modes=("locked", "limp"), robots={"hexapod": [1]}).jobs()
     assert [job.key.split(".")[2] for job in jobs] == ["locked", "limp"]
     assert len({job.key for job in jobs}) == 2
 
 
-@pytest.mark.parametrize("more", [{"modes": ("broken",)}, {"modes": ()}, {"robots": {"hexapod": {7: None}}},
-                                  {"robots": {"hexapod": {1: 0}}}])  # fmt: skip
-def test_what_makes_no_sense_is_refused(more: dict[str, Any]) -> None:
-    with pytest.raises(InputError):
+@pytest.mark.parametrize("more", [{"modes": ("broken",)}, {"modes": ()}])
+def test_modes_that_do_not_exist_are_refused(more: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="modes"):
         failures(**more).jobs()
+
+
+@pytest.mark.parametrize("counts", [["all"] * 7, ["some"], [-1], [True], {1: 3}, 6, "all"])
+def test_numbers_of_subsets_that_make_no_sense_are_refused(counts: Any) -> None:
+    with pytest.raises(InputError, match=r"robots\.hexapod"):
+        failures(robots={"hexapod": counts}).jobs()
 
 
 @pytest.mark.parametrize("limbs", [("L1", "L2"), ("R1", "R3"), ("L1", "R2", "L3")])

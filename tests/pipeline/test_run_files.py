@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from gaitforge.errors import InputError, SimulationError
-from gaitforge.pipeline.manifest import config_hash, manifest
+from gaitforge.pipeline.manifest import code_hash, config_hash, manifest
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.run import Run
 from gaitforge.pipeline.run_task import run_task
@@ -78,6 +78,21 @@ def test_the_manifest_says_what_made_the_run() -> None:
     assert all(made["versions"].values())
     assert set(made["threads"]) == {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"}
     assert json.loads(json.dumps(made, allow_nan=False)) == made
+
+
+def test_the_code_hash_knows_names_and_contents_of_sources_but_not_their_folder(tmp_path: Path) -> None:
+    def package(name: str, **sources: str) -> str:
+        for file, text in sources.items():
+            path = tmp_path / name / "inner" / f"{file}.py"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        (tmp_path / name / "inner" / "a.pyc").write_text(name)
+        return code_hash(tmp_path / name)
+
+    one = package("one", a="x = 1\n", b="")
+    assert one == package("two", a="x = 1\n", b="")
+    assert len({one, package("three", a="x = 2\n", b=""), package("four", a="x = 1\n", c="")}) == 3
+    assert code_hash() == manifest({}, "", 0)["code_sha256"]
 
 
 def test_the_config_hash_tells_runs_apart_but_not_folders() -> None:
