@@ -18,7 +18,7 @@ from gaitforge.pipeline.manifest import code_hash, config_hash, versions
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.stopwatch import Progress, silent
 
-RUNTIME = ("only", "workers", "logs", "resume", "accept")
+RUNTIME = ("title", "only", "workers", "logs", "resume", "accept")
 """What rows do not depend on."""
 
 
@@ -46,7 +46,7 @@ def run_experiment(run: ExperimentRun, progress: Progress = silent) -> Outcome:
     if not jobs:
         raise _nothing_selected(experiment)
     run.folder.mkdir(parents=True, exist_ok=True)
-    store = RowStore(run.folder / "rows", fingerprint(run.config, experiment))
+    store = RowStore(run.folder / "rows", fingerprints(run.config, experiment, jobs))
     rows: dict[str, list[Row]] = {job.key: found for job in jobs if (found := store.finished(job.key)) is not None}
     pending = [job for job in jobs if job.key not in rows]
     if rows:
@@ -63,11 +63,15 @@ def run_experiment(run: ExperimentRun, progress: Progress = silent) -> Outcome:
     return write_results(run.name, experiment, ordered, run.folder, run.command, time.perf_counter() - begin)
 
 
-def fingerprint(config: Mapping[str, Any], experiment: Experiment) -> str:
-    """A hash of everything that rows depend on: config, robots, gaitforge's code and the libraries' versions."""
+def fingerprints(config: Mapping[str, Any], experiment: Experiment, jobs: Sequence[Job]) -> dict[str, str]:
+    """Key of a job → hash of what its rows depend on: config, its robot, gaitforge's code, the libraries' versions."""
     kept = {k: v for k, v in config.items() if k not in ("record", "robot", "task", "verify")}
-    kept["experiment"] = {k: v for k, v in dict(kept.get("experiment") or {}).items() if k not in RUNTIME}
-    return config_hash({**kept, "made_of": dict(experiment.made_of()), "code": code_hash(), "with": versions()})
+    left_out = (*RUNTIME, *experiment.choosing)
+    kept["experiment"] = {k: v for k, v in dict(kept.get("experiment") or {}).items() if k not in left_out}
+    every = {"config": config_hash(kept), "code": code_hash(), "with": versions()}
+    made_of = dict(experiment.made_of())
+    of = {name: {name: made_of[name]} for name in made_of}
+    return {job.key: config_hash({**every, "made_of": of.get(str(job.case.get("robot")), made_of)}) for job in jobs}
 
 
 def _measured(

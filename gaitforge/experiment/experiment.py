@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from gaitforge.experiment.acceptance import Rule
 from gaitforge.report.results_page import Column
@@ -52,6 +52,9 @@ class Job(Protocol):
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Experiment(ABC):
     """Cases as data; a new kind of experiment is a subclass that a ``conf/experiment/*.yaml`` names as its target."""
+
+    choosing: ClassVar[tuple[str, ...]] = ()
+    """Parameters that say which rows there are, not what is in them: rows of an earlier run with others are kept."""
 
     title: str
     simulators: Mapping[str, Any]

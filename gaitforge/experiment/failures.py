@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
@@ -35,6 +35,8 @@ COLUMNS = (
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Failures(Experiment):
     """Subsets of the limbs of each robot, by how many are lost; all of them or a seeded sample."""
+
+    choosing: ClassVar[tuple[str, ...]] = ("robots", "modes")
 
     robots: Mapping[str, Sequence[int | str]]
     """Robot → how many subsets of one limb, of two, …: a number, or ``"all"``."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,8 +17,8 @@ class RowStore:
     """``rows/<key>.json``: ``{"fingerprint": …, "rows": […]}``."""
 
     folder: Path
-    fingerprint: str
-    """Of everything that rows depend on: what was measured under another one is measured again."""
+    fingerprints: Mapping[str, str]
+    """Of everything that the rows of a job depend on, by its key: what another one made is measured again."""
 
     def finished(self, key: str) -> list[Row] | None:
         """The rows of a job that an earlier run has measured; None when there are none."""
@@ -26,7 +26,7 @@ class RowStore:
             found = json.loads(self._file(key).read_text())
         except (OSError, ValueError):
             return None
-        if found.get("fingerprint") != self.fingerprint or not all(row["measured"] for row in found["rows"]):
+        if found.get("fingerprint") != self.fingerprints[key] or not all(row["measured"] for row in found["rows"]):
             return None
         return list(found["rows"])
 
@@ -37,7 +37,7 @@ class RowStore:
     def write(self, key: str, rows: Sequence[Row]) -> None:
         """Keep the rows of a job; InputError when the folder cannot be written."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        write_json(self._file(key), plain({"fingerprint": self.fingerprint, "rows": list(rows)}))
+        write_json(self._file(key), plain({"fingerprint": self.fingerprints[key], "rows": list(rows)}))
 
     def _file(self, key: str) -> Path:
         return self.folder / f"{key}.json"

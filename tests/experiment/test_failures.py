@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from gaitforge.errors import InputError
+from gaitforge.experiment.engine import fingerprints
 from gaitforge.experiment.experiment import Tools
 from gaitforge.experiment.failures import Failures
 from gaitforge.experiment.gaits import robot_called
@@ -58,6 +59,20 @@ def test_modes_that_do_not_exist_are_refused(more: dict[str, Any]) -> None:
 def test_numbers_of_subsets_that_make_no_sense_are_refused(counts: Any) -> None:
     with pytest.raises(InputError, match=r"robots\.hexapod"):
         failures(robots={"hexapod": counts}).jobs()
+
+
+def test_rows_of_a_smaller_sample_or_of_fewer_robots_are_kept_in_a_larger_one() -> None:
+    small = {"robots": {"hexapod": [1]}, "modes": ["locked"], "seed": 0}
+    large = {"robots": {"hexapod": ["all"], "dodecapod": [2]}, "modes": ["locked", "limp"], "seed": 0}
+
+    def prints(named: dict[str, Any], **config: Any) -> dict[str, str]:
+        experiment = failures(**named)
+        return fingerprints({"experiment": {**named, **config}}, experiment, experiment.jobs())
+
+    ((key, made),) = prints(small).items()
+    assert prints(large)[key] == made
+    assert prints(small, simulators={"mujoco": {}})[key] != made
+    assert prints({**small, "seed": 1}).get(key) != made
 
 
 @pytest.mark.parametrize("limbs", [("L1", "L2"), ("R1", "R3"), ("L1", "R2", "L3")])
