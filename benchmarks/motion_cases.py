@@ -38,7 +38,7 @@ def segment(
     grid = Discretisation(pattern, samples_per_column, seconds, command, stance=stance)
     walking = tuple(i for i, row in enumerate(pattern.contact) if row.any())
     fixed = gaits.resting_joints(robot, stance, walking, {}, {})
-    guess = partial(gaits._guess, robot, stance, fixed)
+    guess = partial(gaits.nominal_guess, robot, stance, fixed)
     return Segment("gait", "gait", robot, grid, walking, fixed, guess, {})
 
 

@@ -88,7 +88,8 @@ def plan_gait(
         refuse_impossible_stance(robot, grid, options)
         refuse_grounded_trunk(robot, grid, options)
         refuse_weak_modules(robot, grid, options)
-        segment = Segment(name, "gait", robot, grid, walking, fixed, partial(_guess, robot, stance, fixed), named)
+        guess = partial(nominal_guess, robot, stance, fixed)
+        segment = Segment(name, "gait", robot, grid, walking, fixed, guess, named)
         return solve_segment(segment, options)
 
     if duration == "auto":
@@ -139,8 +140,8 @@ def resting_joints(
     return joints
 
 
-def _guess(robot: RobotModel, stance: Stance, joints: Array, grid: Discretisation) -> Guess:
-    """The commanded stance, feet sweeping back through their places in it while on the ground."""
+def nominal_guess(robot: RobotModel, stance: Stance, joints: Array, grid: Discretisation) -> Guess:
+    """Where the optimisation begins: the commanded stance, feet sweeping back through their places while they stand."""
     count = grid.samples
     base = np.zeros((count, 6))
     base[:, 2:5] = stance.body
