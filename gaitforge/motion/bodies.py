@@ -48,6 +48,8 @@ class Closest(NamedTuple):
     """[m] how much of that is lost between the samples"""
     side: Array | None = None
     """(3,) from the second limb to the first [unit vector, base frame], where the two axes (nearly) cross"""
+    less: float = 0.0
+    """[m] how much nearer they may stay than is asked of others"""
 
 
 _known: WeakKeyDictionary[RobotModel, tuple[LimbCapsule, ...]] = WeakKeyDictionary()

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gaitforge.motion.bodies import BASE, Closest
+from gaitforge.motion.bodies import BASE, Closest, LimbCapsule
 from gaitforge.motion.constraints.clearance import Clearance
 from gaitforge.motion.constraints.joint_speed import JointSpeed
 from gaitforge.motion.constraints.limb_height import LimbHeight
@@ -23,6 +23,8 @@ from gaitforge.motion.trunk import trunk_corners
 
 NEAR_M = 0.01
 """[m] pairs of bodies this much farther apart than the clearance are watched, too"""
+KEPT = 0.5
+"""Share of the clearance that the spline has to keep; bodies that come nearer are parted by all of it"""
 ALIKE = 4
 """Pairs of bodies of two limbs that are kept apart at one sample"""
 TRUNK_M = 0.005
@@ -102,8 +104,10 @@ class Remedies:
         sunk = {point.limb for point in low_free(segment, report) if point.height < 0.0}
         self.low |= {(p.limb, p.joint, p.point): p for p in low_free(segment, report) if p.limb in sunk}
         close = bodies_free(segment, report)
-        if min((c.gap for c in close), default=np.inf) < 0.5 * options.clearance:
-            self.clearances.append(Clearance(_nearest(close), options.clearance))
+        if min((c.gap for c in close), default=np.inf) < KEPT * options.clearance:
+            given = _given_gaps(segment, report)
+            pairs = (_asked(c, given.get((c.first, c.second), np.inf), options.clearance) for c in _nearest(close))
+            self.clearances.append(Clearance(tuple(pairs), options.clearance))
 
 
 def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> list[Miss]:
@@ -135,7 +139,7 @@ def misses(segment: Segment, options: MotionOptions, report: DenseReport) -> lis
         text = f"{name} {-1e3 * lowest.height:.0f} mm in the ground beside its foot"
         found.append(Miss("limb_height", name, lowest.height, "m", text))
     pair = min(bodies_free(segment, report), key=lambda c: c.gap, default=None)
-    if pair is not None and pair.gap < 0.5 * options.clearance:
+    if pair is not None and pair.gap < KEPT * options.clearance:
         text = f"{pair.first.name} {pair.gap * 1e3:.0f} mm from {pair.second.name}"
         found.append(Miss("clearance", _owner(segment, pair), pair.gap, "m", text))
     return found
@@ -159,6 +163,24 @@ def _nearest(close: list[Closest]) -> tuple[Closest, ...]:
         if len(alike) < ALIKE:
             alike.append(pair)
     return tuple(pair for alike in kept.values() for pair in alike)
+
+
+def _given_gaps(segment: Segment, report: DenseReport) -> dict[tuple[LimbCapsule, LimbCapsule], float]:
+    """[m] of two bodies in the states that neighbours have fixed."""
+    gaps: dict[tuple[LimbCapsule, LimbCapsule], float] = {}
+    for c in (c for c in report.close if _given(segment, c)):
+        gaps[c.first, c.second] = min(c.gap + c.dip, gaps.get((c.first, c.second), np.inf))
+    return gaps
+
+
+def _asked(pair: Closest, given: float, clearance: float) -> Closest:
+    """The pair, asked for less than the clearance where it keeps enough as it is, or neighbours left it `given` [m].
+
+    Feet that stand cannot part: between them more than what they have where they were put has no solution.
+    """
+    kept = pair.gap + pair.dip if pair.gap >= KEPT * clearance else np.inf
+    least = max(min(given, kept), KEPT * clearance + pair.dip)
+    return pair._replace(less=max(0.0, clearance + pair.dip - least))
 
 
 def _moves(segment: Segment, pair: Closest) -> bool:

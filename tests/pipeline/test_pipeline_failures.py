@@ -247,3 +247,13 @@ def test_a_damaged_robot_may_walk_slower_and_what_was_tried_is_told(
     assert [s.plan.name for s in done] == list(plans)
     gait = next(s for s in done if s.plan.name == "without")
     assert [(a.what, a.why) for a in gait.left[:1]] == [("100% of the speed", "too fast")]
+
+
+def test_a_dodecapod_whose_feet_come_to_stand_3_mm_apart_steps_into_its_gait_at_once() -> None:
+    robot, done = load_robot("dodecapod"), list[Segment]()
+    lost = Failure(("L2", "L3", "R1", "R6"), "locked", 11 / 12)
+    plan_task(robot, Task("t", (Phase("all", failure=lost), Phase("without"))), OPTIONS, Stopwatch(), done)
+    segments = {segment.plan.name: segment for segment in done}
+    assert segments["without"].plan.command.speed == pytest.approx(robot.nominal.speed)
+    assert segments["all_clear_to_without_start"].left == ()
+    assert 0.002 <= segments["all_clear_to_without_start"].plan.report.details["gap_m"] < 0.004

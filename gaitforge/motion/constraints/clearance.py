@@ -18,11 +18,12 @@ from gaitforge.robot.kinematics import limb_forward, parameter_size
 
 @dataclass(frozen=True)
 class Clearance(Family):
-    """|p_a − p_b| ≥ r_a + r_b + margin + dip for material points that were found too close.
+    """|p_a − p_b| ≥ r_a + r_b + margin + dip − less for material points that were found too close.
 
     Added by refinement, where the dense check found two bodies near each other: the points are those
     that were nearest then, so after another solve there may be new ones.  What the gap lost between the
-    samples, the dip, is asked for on top at the sample.  Written on squares; where two axes (nearly) crossed,
+    samples, the dip, is asked for on top at the sample; bodies that a neighbour has put down nearer than the
+    margin are asked for less.  Written on squares; where two axes (nearly) crossed,
     the square has no gradient and no side to leave to, so n · (p_a − p_b) is bounded, n from hip to hip.
     """
 
@@ -78,7 +79,7 @@ def _place(trajectory: Trajectory, pair: Closest, margin: float) -> _Place:
             shape.append((0, BASE))
     if pair.side is not None:
         parameters.append(pair.side)
-    floor = pair.first.radius + pair.second.radius + margin + pair.dip
+    floor = pair.first.radius + pair.second.radius + margin + pair.dip - pair.less
     label = f"{pair.first.name}–{pair.second.name} at sample {k}"
     return _Place((crossed, *shape), np.concatenate(variables), np.concatenate(parameters), floor, label)
 
