@@ -7,8 +7,8 @@ import pytest
 from shapely.geometry import MultiPoint, Point
 
 import gaitforge as gf
-from gaitforge.motion.failure.still import calm, static_margin, stepping
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.still import calm, static_margin, stepping
 from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import PATIENT, TRIPOD

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import pytest
 
-import gaitforge.motion.failure.still as still
+import gaitforge.motion.still as still
 import gaitforge.motion.strain as strain
 from gaitforge.motion.options import MotionOptions
 from gaitforge.pipeline.search.transitions import _Found

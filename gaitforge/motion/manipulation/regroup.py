@@ -12,6 +12,7 @@ from gaitforge.footfall.pattern import FootfallPattern
 from gaitforge.motion.manipulation.ends import Arrival
 from gaitforge.motion.options import MotionOptions
 from gaitforge.motion.plan import MotionPlan
+from gaitforge.motion.still import calm, static_margin
 from gaitforge.motion.transition import plan_transition
 from gaitforge.robot.model import RobotModel
 
@@ -45,22 +46,23 @@ def regroup_pattern(before: MotionPlan, after: MotionPlan, rear_first: bool = Fa
 def plan_regroup(robot: RobotModel, before: MotionPlan, after: MotionPlan, options: MotionOptions) -> MotionPlan:
     """From the rest in which `before` ends to that in which `after` begins, the base back where it was.
 
-    Two orders of steps and two paces are tried; the first plan whose zero-moment point stays `AMPLE` inside the
-    feet is taken.  Raises `UnsolvedError` when there is none.
+    Two orders of steps and two paces are tried, at first with a body that is slow to sway; the first plan whose centre
+    of mass and zero-moment point stay `AMPLE` inside the feet is taken.  Raises `UnsolvedError` when there is none.
     """
-    fixed = replace(options, constraints=(*options.constraints, Arrival()), explain=False)
+    still = min(options.ground_tolerance, options.change_tolerance)
+    fixed = replace(options, constraints=(*options.constraints, Arrival()), ground_tolerance=still, explain=False)
     name, failure = f"{before.name}_to_{after.name}", None
-    for seconds, rear_first in product(COLUMNS_S, (False, True)):
+    for how, seconds, rear_first in product((calm(fixed), fixed), COLUMNS_S, (False, True)):
         pattern = regroup_pattern(before, after, rear_first)
         try:
-            plan = plan_transition(robot, before, after, pattern=pattern, column_s=seconds, name=name, options=fixed)
+            plan = plan_transition(robot, before, after, pattern=pattern, column_s=seconds, name=name, options=how)
         except UnsolvedError as error:
             failure = failure or error
             continue
-        margin = float(plan.report.details["zmp_margin_m"])
+        margin = min(float(plan.report.details["zmp_margin_m"]), static_margin(robot, plan))
         if margin >= AMPLE:
             return plan
-        text = f"{name}: the zero-moment point comes to be {1000 * margin:.0f} mm inside the feet"
+        text = f"{name}: the centre of mass or the zero-moment point comes to be {1000 * margin:.0f} mm inside the feet"
         failure = failure or UnsolvedError(
             text, {"segment": name, "families": ["balance"], "value": margin, "unit": "m"}
         )

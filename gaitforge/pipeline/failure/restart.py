@@ -83,8 +83,8 @@ def _hasty(now: Damage) -> Damage:
 
 def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
     """From a stand into a gait: few limbs step one by one, in the order with the best margin, many as always."""
-    from gaitforge.motion.failure.still import calm
     from gaitforge.motion.options import MotionOptions
+    from gaitforge.motion.still import calm
 
     start = plan_stand("start", now.robot, gait, now.options, watch, f"{gait.name}_start")
     at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
@@ -102,7 +102,7 @@ def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
 
     The margin is the smaller one of the centre of mass and of the zero-moment point by inverse dynamics.
     """
-    from gaitforge.motion.failure.still import static_margin
+    from gaitforge.motion.still import static_margin
 
     name, begin = f"{stand.name}_to_{start.name}", time.perf_counter()
     left: list[Attempt] = []
@@ -132,8 +132,8 @@ def _settled(now: Damage, stand: MotionPlan, start: MotionPlan, watch: Stopwatch
 
 def _tries(now: Damage, stand: MotionPlan, start: MotionPlan, name: str) -> Iterator[Try]:
     """Steps with the centre of mass over the feet, slower ones, and last those that only keep the CoP there."""
-    from gaitforge.motion.failure.still import stepping
     from gaitforge.motion.options import MotionOptions
+    from gaitforge.motion.still import stepping
 
     motion = quick(_while_held(now).motion or MotionOptions())
     patterns = _patterns(now, stand, start)

@@ -88,7 +88,7 @@ class _Found:
 
     @staticmethod
     def of(robot: RobotModel, what: str, plan: MotionPlan, seconds: float, options: MotionOptions) -> _Found:
-        from gaitforge.motion.failure.still import static_margin
+        from gaitforge.motion.still import static_margin
         from gaitforge.motion.strain import strain_of
 
         margin = min(float(plan.report.details.get("zmp_margin_m", 0.0)), static_margin(robot, plan))
