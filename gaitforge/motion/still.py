@@ -20,6 +20,11 @@ from gaitforge.robot.model import RobotModel
 Array = NDArray[np.float64]
 CALM = 20.0
 """per (m/s²)² s: what an acceleration of the base costs, times that of a gait"""
+CREEP_M = 1e-3
+"""[m] that splines may drag feet in one stance between samples: more sets many legs against each other until motors
+give way, and feet slip ten times as far"""
+FINEST = 10
+"""Samples a column that refinement may use for that"""
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,12 @@ def stepping(options: MotionOptions) -> MotionOptions:
 def calm(options: MotionOptions) -> MotionOptions:
     """The options with dear accelerations of the base."""
     return options.changed(Smoothness, lambda family: replace(family, position=CALM * family.position))
+
+
+def quiet(options: MotionOptions) -> MotionOptions:
+    """The options for steps of many limbs, strained by those that are missing: calm, and feet stay where they are."""
+    slip, finest = min(options.slip_tolerance, CREEP_M), max(options.finest, FINEST)
+    return replace(calm(options), slip_tolerance=slip, finest=finest)
 
 
 def static_margin(robot: RobotModel, plan: MotionPlan, per_interval: int = 2) -> float:

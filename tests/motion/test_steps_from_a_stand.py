@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from shapely.geometry import MultiPoint, Point
 
 import gaitforge as gf
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.motion.still import calm, static_margin, stepping
+from gaitforge.motion.still import CREEP_M, FINEST, calm, quiet, static_margin, stepping
 from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import PATIENT, TRIPOD
@@ -46,6 +48,12 @@ def test_a_still_balance_keeps_the_centre_of_mass_where_the_centre_of_pressure_w
         balanced = np.einsum("ksi,kid->ksd", plan.weights, plan.feet[:, :, :2])
         error = np.abs(balanced - plan.com[:, None, :2]).max()
         assert (error > 2e-3) if off else (error < 1e-5), name
+
+
+def test_quiet_options_are_calm_and_never_allow_more_than_was_asked_for() -> None:
+    assert quiet(PATIENT) == replace(calm(PATIENT), slip_tolerance=CREEP_M, finest=FINEST)
+    strict = replace(PATIENT, slip_tolerance=1e-4, finest=12)
+    assert quiet(strict) == calm(strict)
 
 
 def test_calm_plans_accelerate_less(plans: dict[str, MotionPlan]) -> None:

@@ -153,9 +153,7 @@ def test_a_transition_that_tips_or_is_too_heavy_is_taken_only_when_a_few_more_ar
 
     monkeypatch.setattr("gaitforge.motion.transition.plan_transition", tipping)
     monkeypatch.setattr("gaitforge.pipeline.search.batch.spared", lambda one, result: result)  # no plan asks for less
-    monkeypatch.setattr(
-        "gaitforge.motion.still.static_margin", lambda robot, plan: found[len(asked) - 1][0] + least
-    )
+    monkeypatch.setattr("gaitforge.motion.still.static_margin", lambda robot, plan: found[len(asked) - 1][0] + least)
     monkeypatch.setattr("gaitforge.motion.strain.least_strain", lambda robot, plan: found[len(asked) - 1][1])
     segment = plan_change(hexapod, gait, replace(gait, name="b"), OPTIONS, Stopwatch())
     assert len(asked) == tried

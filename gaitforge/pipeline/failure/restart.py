@@ -84,7 +84,7 @@ def _hasty(now: Damage) -> Damage:
 def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, workers: Workers) -> list[Segment]:
     """From a stand into a gait: few limbs step one by one, in the order with the best margin, many as always."""
     from gaitforge.motion.options import MotionOptions
-    from gaitforge.motion.still import calm
+    from gaitforge.motion.still import quiet
 
     start = plan_stand("start", now.robot, gait, now.options, watch, f"{gait.name}_start")
     at_rest = replace(start, command=replace(start.command, speed=0.0, yaw_rate=0.0))
@@ -93,7 +93,7 @@ def _steps(now: Damage, stand: MotionPlan, gait: MotionPlan, watch: Stopwatch, w
         return [_settled(now, stand, at_rest, watch), *risen, Segment(start)]
     search = replace(now.options.search, transition_phases="seam")
     options = _while_held(now)
-    options = replace(options, search=search, motion=calm(options.motion or MotionOptions()))
+    options = replace(options, search=search, motion=quiet(options.motion or MotionOptions()))
     return [plan_change(now.robot, stand, at_rest, options, watch, workers), *risen, Segment(start)]
 
 
