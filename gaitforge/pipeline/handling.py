@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
+from gaitforge.pipeline.search.refusals import why_refused
 from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
@@ -47,8 +49,9 @@ class Carriage:
         return replace(options, motion=steadied(options.motion or MotionOptions(), self.robot))
 
     def around(
-        self, bare: RobotModel, scene: Scene, walking: list[Segment], watch: Stopwatch, earlier: Sequence[Segment] = ()
-    ) -> list[Segment]:
+        self, bare: RobotModel, scene: Scene, walking: list[Segment], options: Options, watch: Stopwatch,
+        earlier: Sequence[Segment] = (),
+    ) -> list[Segment]:  # fmt: skip
         """The stands of picking up, the walk itself, the stands of putting down; `bare` is the robot without loads.
 
         `earlier`: what is executed before; limbs that held then are put down, and those that hold now lifted.
@@ -63,18 +66,23 @@ class Carriage:
         for segment in (*before, *after):
             margin = 1000.0 * float(segment.plan.report.details["margin_m"])
             watch.progress("motion", f"{segment.plan.name}: {segment.plan.duration:.2f} s, margin {margin:.0f} mm")
-        between = self._regrouped(bare, earlier[-1].plan, before[0].plan, watch) if earlier else []
+        between = self._regrouped(bare, earlier[-1].plan, before[0].plan, options, watch) if earlier else []
         segments = [*between, *before, *laden, *after]
         self._refuse_overhang(scene, [*earlier, *segments])
         return segments
 
     @staticmethod
-    def _regrouped(robot: RobotModel, stood: MotionPlan, ready: MotionPlan, watch: Stopwatch) -> list[Segment]:
-        from gaitforge.motion.manipulation.regroup import plan_regroup
+    def _regrouped(
+        robot: RobotModel, stood: MotionPlan, ready: MotionPlan, options: Options, watch: Stopwatch
+    ) -> list[Segment]:
+        """The first way that simulation has not refused; the first of all where it has refused every one."""
+        from gaitforge.motion.manipulation.regroup import regroup_plans
         from gaitforge.motion.options import MotionOptions
 
         with watch.stage("motion"):
-            plan = plan_regroup(robot, stood, ready, MotionOptions())
+            plans = regroup_plans(robot, stood, ready, MotionOptions())
+            first = next(plans)
+            plan = next((p for p in chain([first], plans) if why_refused(p, options.refused) is None), first)
         watch.progress("motion", f"{plan.name}: {plan.duration:.2f} s, {plan.report.seconds:.2f} s to solve")
         return [Segment(plan)]
 

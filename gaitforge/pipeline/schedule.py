@@ -60,7 +60,7 @@ def _plan_block(
     again = f"{ends[0].name}_" if earlier else ""
     start = plan_stand("start", load.robot, ends[0], options, watch, f"{again}start")
     end = plan_end(now.robot, ends[-1], now.options, watch, f"{again}stop")
-    done[:] = load.around(robot, task.scene, [Segment(start), *done, *end], watch, earlier)
+    done[:] = load.around(robot, task.scene, [Segment(start), *done, *end], options, watch, earlier)
 
 
 def _place(earlier: Sequence[Segment]) -> tuple[float, float, float]:

@@ -9,11 +9,15 @@ import pytest
 import yaml
 
 from gaitforge.errors import UnsolvedError
+from gaitforge.motion.manipulation.regroup import AMPLE
 from gaitforge.motion.options import MotionOptions
+from gaitforge.motion.still import static_margin
 from gaitforge.motion.timeline import place
 from gaitforge.motion.timeline_build import laid_out, last_pose
+from gaitforge.pipeline.handling import Carriage
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.schedule import plan_task
+from gaitforge.pipeline.search.refusals import Refusal, _identity_of, why_refused
 from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.load import load_robot
@@ -67,6 +71,19 @@ def test_who_has_let_go_of_a_box_stands_on_other_limbs_and_takes_the_next_one(tw
     walking = [plan.pattern.locomotive for plan in plans if plan.kind == "gait"]
     assert walking == [("L2", "L3", "R2", "R3"), ("L1", "L3", "R1", "R3")]
     assert float(move.report.details["zmp_margin_m"]) >= 0.008
+
+
+def test_a_way_between_two_loads_that_simulation_refused_gives_way_to_another(twice: list[Segment]) -> None:
+    robot = load_robot("hexapod")
+    k = next(k for k, segment in enumerate(twice) if segment.plan.kind == "transition")
+    stood, way, ready = (segment.plan for segment in twice[k - 1 : k + 2])
+    assert static_margin(robot, way) >= AMPLE
+    refusal = Refusal(way.name, _identity_of(way), "slip")
+    options = Options(simulator=None, recorder=None, refused=(refusal,))  # type: ignore[arg-type]
+    (other,) = Carriage._regrouped(robot, stood, ready, options, Stopwatch())
+    assert other.plan.name == way.name
+    assert why_refused(other.plan, options.refused) is None
+    assert static_margin(robot, other.plan) >= AMPLE
 
 
 def test_the_second_load_is_grasped_where_the_scene_has_it(twice: list[Segment]) -> None:

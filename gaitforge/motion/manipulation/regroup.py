@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 
@@ -19,7 +20,7 @@ from gaitforge.robot.model import RobotModel
 LAND, STEP, PAUSE, LIFT = 8, 2, 1, 6
 """[columns] of the way to the ground, of a step, of all feet there after either; and while limbs lift that are in
 the way of others"""
-COLUMNS_S = (0.25, 0.35)
+COLUMNS_S = (0.3, 0.2, 0.25)
 """[s] of a column, tried in this order"""
 AMPLE = 0.008
 """[m]"""
@@ -43,16 +44,18 @@ def regroup_pattern(before: MotionPlan, after: MotionPlan, rear_first: bool = Fa
     return FootfallPattern(contact, limbs, cyclic=False, source="given")
 
 
-def plan_regroup(robot: RobotModel, before: MotionPlan, after: MotionPlan, options: MotionOptions) -> MotionPlan:
-    """From the rest in which `before` ends to that in which `after` begins, the base back where it was.
+def regroup_plans(
+    robot: RobotModel, before: MotionPlan, after: MotionPlan, options: MotionOptions
+) -> Iterator[MotionPlan]:
+    """From the rest in which `before` ends to that in which `after` begins, the base back where it was: ways to do it.
 
-    Two orders of steps and two paces are tried, at first with a body that is slow to sway; the first plan whose centre
-    of mass and zero-moment point stay `AMPLE` inside the feet is taken.  Raises `UnsolvedError` when there is none.
+    Two orders of steps and some paces are tried, at first with a body that is slow to sway; those come out whose centre
+    of mass and zero-moment point stay `AMPLE` inside the feet.  Raises `UnsolvedError` when there is none.
     """
     still = min(options.ground_tolerance, options.change_tolerance)
     fixed = replace(options, constraints=(*options.constraints, Arrival()), ground_tolerance=still, explain=False)
-    name, failure = f"{before.name}_to_{after.name}", None
-    for how, seconds, rear_first in product((calm(fixed), fixed), COLUMNS_S, (False, True)):
+    name, failure, found = f"{before.name}_to_{after.name}", None, False
+    for how, rear_first, seconds in product((calm(fixed), fixed), (False, True), COLUMNS_S):
         pattern = regroup_pattern(before, after, rear_first)
         try:
             plan = plan_transition(robot, before, after, pattern=pattern, column_s=seconds, name=name, options=how)
@@ -61,10 +64,12 @@ def plan_regroup(robot: RobotModel, before: MotionPlan, after: MotionPlan, optio
             continue
         margin = min(float(plan.report.details["zmp_margin_m"]), static_margin(robot, plan))
         if margin >= AMPLE:
-            return plan
+            found = True
+            yield plan
+            continue
         text = f"{name}: the centre of mass or the zero-moment point comes to be {1000 * margin:.0f} mm inside the feet"
         failure = failure or UnsolvedError(
             text, {"segment": name, "families": ["balance"], "value": margin, "unit": "m"}
         )
-    assert failure is not None
-    raise failure
+    if not found and failure is not None:
+        raise failure
