@@ -23,8 +23,6 @@ CALM = 20.0
 CREEP_M = 1e-3
 """[m] that splines may drag feet in one stance between samples: more sets many legs against each other until motors
 give way, and feet slip ten times as far"""
-FINEST = 10
-"""Samples a column that refinement may use for that"""
 
 
 @dataclass(frozen=True)
@@ -58,8 +56,7 @@ def calm(options: MotionOptions) -> MotionOptions:
 
 def quiet(options: MotionOptions) -> MotionOptions:
     """The options for steps of many limbs, strained by those that are missing: calm, and feet stay where they are."""
-    slip, finest = min(options.slip_tolerance, CREEP_M), max(options.finest, FINEST)
-    return replace(calm(options), slip_tolerance=slip, finest=finest)
+    return replace(calm(options), slip_tolerance=min(options.slip_tolerance, CREEP_M))
 
 
 def static_margin(robot: RobotModel, plan: MotionPlan, per_interval: int = 2) -> float:

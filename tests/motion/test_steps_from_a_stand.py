@@ -10,7 +10,7 @@ from shapely.geometry import MultiPoint, Point
 
 import gaitforge as gf
 from gaitforge.motion.plan import MotionPlan
-from gaitforge.motion.still import CREEP_M, FINEST, calm, quiet, static_margin, stepping
+from gaitforge.motion.still import CREEP_M, calm, quiet, static_margin, stepping
 from gaitforge.robot.kinematics import feet_in_world
 from gaitforge.robot.model import RobotModel
 from tests.motion.motion_kit import PATIENT, TRIPOD
@@ -51,8 +51,8 @@ def test_a_still_balance_keeps_the_centre_of_mass_where_the_centre_of_pressure_w
 
 
 def test_quiet_options_are_calm_and_never_allow_more_than_was_asked_for() -> None:
-    assert quiet(PATIENT) == replace(calm(PATIENT), slip_tolerance=CREEP_M, finest=FINEST)
-    strict = replace(PATIENT, slip_tolerance=1e-4, finest=12)
+    assert quiet(PATIENT) == replace(calm(PATIENT), slip_tolerance=CREEP_M)
+    strict = replace(PATIENT, slip_tolerance=1e-4)
     assert quiet(strict) == calm(strict)
 
 
