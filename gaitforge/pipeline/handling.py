@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from gaitforge.errors import UnsolvedError
 from gaitforge.motion.plan import MotionPlan
 from gaitforge.pipeline.options import Options
-from gaitforge.pipeline.search.refusals import why_refused
+from gaitforge.pipeline.search.refusals import first_allowed
 from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
@@ -80,9 +79,7 @@ class Carriage:
         from gaitforge.motion.options import MotionOptions
 
         with watch.stage("motion"):
-            plans = regroup_plans(robot, stood, ready, MotionOptions())
-            first = next(plans)
-            plan = next((p for p in chain([first], plans) if why_refused(p, options.refused) is None), first)
+            plan = first_allowed(regroup_plans(robot, stood, ready, MotionOptions()), options.refused)
         watch.progress("motion", f"{plan.name}: {plan.duration:.2f} s, {plan.report.seconds:.2f} s to solve")
         return [Segment(plan)]
 

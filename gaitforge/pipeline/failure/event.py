@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from gaitforge.pipeline.failure.hung import hang_up
 from gaitforge.pipeline.failure.over_limp import spaced
 from gaitforge.pipeline.options import Options
 from gaitforge.pipeline.search.gaits import nonlocomotive
-from gaitforge.pipeline.search.refusals import why_refused
+from gaitforge.pipeline.search.refusals import first_allowed
 from gaitforge.pipeline.search.segment import Segment
 from gaitforge.pipeline.stopwatch import Stopwatch
 from gaitforge.robot.model import RobotModel
@@ -117,8 +116,7 @@ def _halted(
         plan_halt(robot, until, roles, name=name, options=replace(motion, stand_seconds=share * motion.stand_seconds))
         for share in HALTS
     )
-    first = next(halts)
-    return next((halt for halt in chain([first], halts) if why_refused(halt, options.refused) is None), first)
+    return first_allowed(halts, options.refused)
 
 
 def moment(robot: RobotModel, gait: MotionPlan, failure: Failure, seed: int) -> int:

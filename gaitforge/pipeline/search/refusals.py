@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -58,6 +59,13 @@ def why_refused(plan: MotionPlan, refusals: Sequence[Refusal]) -> str | None:
     """What a simulator has refused this plan for, by its pattern and time; None for one that it has not."""
     who = plan.name, _identity_of(plan)
     return next((r.why for r in refusals if (r.segment, r.identity) == who), None)
+
+
+def first_allowed(plans: Iterable[MotionPlan], refusals: Sequence[Refusal]) -> MotionPlan:
+    """Of plans made one after the other the first that no simulator has refused; the first of all if each was."""
+    ways = iter(plans)
+    first = next(ways)
+    return next((plan for plan in chain([first], ways) if why_refused(plan, refusals) is None), first)
 
 
 def _beside(segments: Sequence[Segment], index: int) -> int | None:
