@@ -70,8 +70,9 @@ def fingerprints(config: Mapping[str, Any], experiment: Experiment, jobs: Sequen
     kept["experiment"] = {k: v for k, v in dict(kept.get("experiment") or {}).items() if k not in left_out}
     every = {"config": config_hash(kept), "code": code_hash(), "with": versions()}
     made_of = dict(experiment.made_of())
-    of = {name: {name: made_of[name]} for name in made_of}
-    return {job.key: config_hash({**every, "made_of": of.get(str(job.case.get("robot")), made_of)}) for job in jobs}
+    return {
+        job.key: config_hash({**every, "made_of": made_of.get(str(job.case.get("robot")), made_of)}) for job in jobs
+    }
 
 
 def _measured(

@@ -22,9 +22,9 @@ class Clearance(Family):
 
     Added by refinement, where the dense check found two bodies near each other: the points are those
     that were nearest then, so after another solve there may be new ones.  What the gap lost between the
-    samples, the dip, is asked for on top at the sample; bodies that a neighbour has put down nearer than the
-    margin are asked for less.  Written on squares; where two axes (nearly) crossed,
-    the square has no gradient and no side to leave to, so n · (p_a − p_b) is bounded, n from hip to hip.
+    samples, the dip, is asked for on top at the sample; bodies that keep enough as they are, or that a neighbour
+    has put down nearer than the margin, are asked for less.  Written on squares; where two axes (nearly) crossed, the
+    square has no gradient and no side to leave to, so n · (p_a − p_b) is bounded, n from hip to hip.
     """
 
     name: ClassVar[str] = "clearance"
